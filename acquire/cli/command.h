@@ -1,0 +1,41 @@
+/* A subcommand of the program: a row of the table in main.c and a file of its own. */
+#ifndef PLACIDO_CLI_COMMAND_H
+#define PLACIDO_CLI_COMMAND_H
+
+#include "acquire/cli/settings.h"
+#include "acquire/cli/stages.h"
+
+#include <jansson.h>
+#include <placido/notes.h>
+#include <placido/status.h>
+
+/* What a run hands to its end. */
+struct outcome {
+  placido_notes notes; /* warnings */
+  json_t *result;      /* for --json; NULL where there is none */
+  struct stages stages;
+};
+
+struct command {
+  const char *name, *summary;
+  const char *usage;    /* what follows the name */
+  const char *examples; /* lines of the help, each ending with a newline */
+  const struct option_group *const *groups; /* NULL-terminated */
+  void (*list)(void);       /* prints what is built in, for the help; NULL: nothing is */
+  const char *needs_word;   /* what the one word is; NULL where there is none to give */
+  bool needs_output;        /* -o is not optional */
+  int (*run)(const struct settings *settings, struct outcome *outcome, placido_error *err);
+};
+
+extern const struct command command_exam, command_reconstruct, command_simulate, command_phantom,
+    command_devices;
+
+#define PROGRAM_VERSION "placido " PLACIDO_VERSION
+
+/* Prints a line of the result to stdout, unless --quiet or --json ask for none. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void say(const struct settings *settings, const char *format, ...);
+
+#endif

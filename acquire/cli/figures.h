@@ -1,0 +1,15 @@
+/* Pictures and the page, where the build can draw: figures.c with cairo, figures_none.c without. */
+#ifndef PLACIDO_CLI_FIGURES_H
+#define PLACIDO_CLI_FIGURES_H
+
+#include "acquire/cli/save.h"
+
+bool figures_available(void);
+
+/* Adds a job for every figure of the examination. */
+void figures_add(struct jobs *jobs, const struct examination *examination);
+
+/* Writes report.html into the directory, when all pictures are there. */
+int figures_report(const struct examination *examination, placido_error *err);
+
+#endif

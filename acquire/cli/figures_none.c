@@ -1,0 +1,19 @@
+/* This build cannot draw (PLACIDO_FIGURES is off): says so in the result. */
+#include "acquire/cli/figures.h"
+
+bool figures_available(void) {
+  return false;
+}
+
+void figures_add(struct jobs *jobs, const struct examination *examination) {
+  (void)jobs;
+  placido_notes_add(&examination->outcome->notes,
+                    "this build draws no figures: maps/*.png, psf.png and report.html are left "
+                    "out (PLACIDO_FIGURES)");
+}
+
+int figures_report(const struct examination *examination, placido_error *err) {
+  (void)examination;
+  (void)err;
+  return PLACIDO_OK;
+}

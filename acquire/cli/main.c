@@ -1,0 +1,206 @@
+/* The program `placido`: finds the subcommand in a table, runs it, and says how it ended. */
+#include "acquire/cli/command.h"
+#include "acquire/cli/figures.h"
+#include "acquire/cli/record.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct command *const commands[] = {&command_exam, &command_reconstruct,
+                                                 &command_simulate, &command_phantom,
+                                                 &command_devices};
+#define COMMAND_COUNT (sizeof commands / sizeof commands[0])
+
+/* Exit codes; docs/man/placido.1 lists them. A status that is not here gives EXIT_SYSTEM. */
+#define EXIT_SYSTEM 1
+static const struct {
+  int status, code;
+} exit_codes[] = {
+    {PLACIDO_OK, 0}, {STATUS_USAGE, 2}, {PLACIDO_INPUT, 3}, {PLACIDO_END, 3}, {PLACIDO_QUALITY, 4},
+};
+
+static int exit_code(int status) {
+  for (size_t i = 0; i < sizeof exit_codes / sizeof exit_codes[0]; i++) {
+    if (exit_codes[i].status == status) {
+      return exit_codes[i].code;
+    }
+  }
+  return EXIT_SYSTEM;
+}
+
+void say(const struct settings *settings, const char *format, ...) {
+  if (settings->quiet || settings->json) {
+    return;
+  }
+  va_list arguments;
+  va_start(arguments, format);
+  vprintf(format, arguments);
+  va_end(arguments);
+  putchar('\n');
+}
+
+static const struct command *find_command(const char *name) {
+  for (size_t i = 0; i < COMMAND_COUNT; i++) {
+    if (strcmp(commands[i]->name, name) == 0) {
+      return commands[i];
+    }
+  }
+  return NULL;
+}
+
+static void print_overview(void) {
+  puts("placido - corneal topography and simulated vision from pictures of Placido mires\n\n"
+       "usage: placido COMMAND [OPTION...]\n\ncommands");
+  for (size_t i = 0; i < COMMAND_COUNT; i++) {
+    printf("  %-12s %s\n", commands[i]->name, commands[i]->summary);
+  }
+  puts("  help         Explain a command: placido help exam.\n\n"
+       "options\n"
+       "  --version    Print the version and what this build can do.\n"
+       "  --help       Print this help.\n\n"
+       "examples\n"
+       "  placido phantom --eye keratoconus --instrument cone24 -o eye.session\n"
+       "  placido exam eye.session -o exam\n\n"
+       "exit codes\n"
+       "  0  done\n"
+       "  1  the system refused (no such file, disk full, memory), or this build cannot do it\n"
+       "  2  the command line is wrong\n"
+       "  3  an input is not what its format says\n"
+       "  4  measured, and not good enough to give an answer\n\n"
+       "Not a medical device.");
+}
+
+static void print_help(const struct command *command) {
+  printf("usage: placido %s %s\n\n%s\n", command->name, command->usage, command->summary);
+  options_print(command->groups);
+  if (command->list) {
+    command->list();
+  }
+  printf("\nexamples\n%s", command->examples);
+}
+
+static void print_version(void) {
+  const struct settings settings = settings_default();
+  printf("%s\nfigures and report: %s\nthreads: %d\n", PROGRAM_VERSION,
+         figures_available() ? "yes" : "no", settings_use_threads(&settings));
+}
+
+/* Whether what was written really left: a full disk shows only here. */
+static int flush_output(placido_error *err) {
+  if (fflush(stdout) != 0 || ferror(stdout)) {
+    return placido_error_set(err, PLACIDO_SYSTEM, "standard output cannot be written");
+  }
+  return PLACIDO_OK;
+}
+
+static int check_required(const struct command *command, const struct settings *settings,
+                          placido_error *err) {
+  if (command->needs_word && !settings->input) {
+    return placido_error_set(err, STATUS_USAGE, "%s is missing (placido help %s)",
+                             command->needs_word, command->name);
+  }
+  if (!command->needs_word && settings->input) {
+    return placido_error_set(err, STATUS_USAGE, "\"%s\" is not expected (placido help %s)",
+                             settings->input, command->name);
+  }
+  if (command->needs_output && !settings->output) {
+    return placido_error_set(err, STATUS_USAGE, "say where the result goes with -o");
+  }
+  return PLACIDO_OK;
+}
+
+/* The one object on stdout that --json promises, whatever happened. */
+static void print_json(const struct command *command, json_t *result, int status,
+                       const placido_error *err) {
+  json_t *root = result ? result : json_object();
+  json_object_set_new(root, "command", record_text(command->name));
+  json_object_set_new(root, "exit_code", json_integer(exit_code(status)));
+  if (status != PLACIDO_OK) {
+    json_object_set_new(root, "error", record_text(err->text));
+  }
+  json_dumpf(root, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(17));
+  putchar('\n');
+  json_decref(root);
+}
+
+static int run_parsed(const struct command *command, const struct settings *settings,
+                      placido_error *err) {
+  struct outcome outcome = {.result = NULL};
+  stages_start(&outcome.stages, command->name, !settings->quiet);
+  const int status = command->run(settings, &outcome, err);
+  stages_end(&outcome.stages);
+  for (size_t i = 0; i < outcome.notes.count && !settings->quiet; i++) {
+    fprintf(stderr, "placido: warning: %s\n", outcome.notes.lines[i]);
+  }
+  if (settings->timing && !settings->json && status == PLACIDO_OK) {
+    stages_print(&outcome.stages);
+  }
+  if (settings->json) {
+    print_json(command, outcome.result, status, err);
+  } else {
+    json_decref(outcome.result);
+  }
+  placido_notes_clear(&outcome.notes);
+  return status;
+}
+
+static int run_command(const struct command *command, int argc, char **argv) {
+  placido_error err = {0};
+  struct settings settings = settings_default();
+  int status =
+      options_parse(&settings, &settings.input, command->groups, argc, argv, &err);
+  if (status == PLACIDO_OK && settings.help) {
+    print_help(command);
+  } else {
+    if (status == PLACIDO_OK) {
+      status = check_required(command, &settings, &err);
+    }
+    if (status == PLACIDO_OK) {
+      status = run_parsed(command, &settings, &err);
+    } else if (settings.json) {
+      print_json(command, NULL, status, &err);
+    }
+  }
+  const int flushed = flush_output(status == PLACIDO_OK ? &err : NULL);
+  status = status == PLACIDO_OK ? flushed : status;
+  if (status != PLACIDO_OK) {
+    fprintf(stderr, "placido: %s: %s\n", command->name, err.text);
+  }
+  return exit_code(status);
+}
+
+static int refuse_command(const char *name) {
+  fprintf(stderr, "placido: there is no command \"%s\" (placido help lists them)\n", name);
+  return exit_code(STATUS_USAGE);
+}
+
+static int help(int argc, char **argv) {
+  if (argc < 2) {
+    print_overview();
+    return 0;
+  }
+  const struct command *command = find_command(argv[1]);
+  if (!command) {
+    return refuse_command(argv[1]);
+  }
+  print_help(command);
+  return 0;
+}
+
+int main(int argc, char **argv) {
+  if (argc < 2) {
+    print_overview();
+    return exit_code(STATUS_USAGE);
+  }
+  const char *name = argv[1];
+  if (strcmp(name, "--version") == 0) {
+    print_version();
+    return 0;
+  }
+  if (strcmp(name, "help") == 0 || strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+    return help(argc - 1, argv + 1);
+  }
+  const struct command *command = find_command(name);
+  return command ? run_command(command, argc - 1, argv + 1) : refuse_command(name);
+}

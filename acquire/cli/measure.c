@@ -1,0 +1,45 @@
+/* From the frame to the cornea: mires, surface, maps, indices. */
+#include "acquire/cli/examination.h"
+
+#define MAP_STEP_MM 0.1 /* the grid of maps.csv, docs/formats.md */
+
+int step_mires(struct examination *examination, placido_error *err) {
+  stages_next(&examination->outcome->stages, "mires");
+  const placido_mires_options options = {.meridians = examination->settings->meridians};
+  return placido_mires_find(&examination->mires, &examination->frame, &examination->instrument,
+                            &options, &examination->outcome->notes, err);
+}
+
+int step_fit(struct examination *examination, placido_error *err) {
+  stages_next(&examination->outcome->stages, "fit");
+  const placido_fit_options options = {.axis_z_mm = examination->axis_z_mm,
+                                       .axis_z_sigma_mm = examination->axis_z_sigma_mm,
+                                       .knot_mm = examination->settings->knot_mm};
+  const int status = placido_fit_new(&examination->fit, &examination->mires,
+                                     &examination->instrument, &options,
+                                     &examination->outcome->notes, err);
+  if (status == PLACIDO_OK) {
+    examination->surface = placido_fit_surface(examination->fit);
+  }
+  return status;
+}
+
+int step_maps(struct examination *examination, placido_error *err) {
+  stages_next(&examination->outcome->stages, "maps");
+  const int status = placido_maps_new(&examination->maps, examination->surface, examination->fit,
+                                      MAP_STEP_MM, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  stages_next(&examination->outcome->stages, "indices");
+  return placido_indices_find(examination->indices, &examination->index_count,
+                              examination->surface, examination->fit, err);
+}
+
+int step_surface(struct examination *examination, placido_error *err) {
+  stages_next(&examination->outcome->stages, "read");
+  const int status = placido_surface_load(&examination->loaded, examination->settings->input,
+                                          &examination->outcome->notes, err);
+  examination->surface = examination->loaded;
+  return status;
+}

@@ -1,0 +1,244 @@
+/* Reads a command line by tables, with getopt_long doing the splitting. */
+#include "acquire/cli/options.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ROWS_MAX 64
+#define LONG_BASE 256 /* getopt's value of row i is LONG_BASE + i: beyond every letter */
+#define HELP_COLUMN 26
+#define HELP_WIDTH 96
+
+static int read_number(double *value, char **end, const struct option_row *row, const char *text,
+                       placido_error *err) {
+  errno = 0;
+  *value = strtod(text, end);
+  if (*end == text || errno == ERANGE || !isfinite(*value)) {
+    return placido_error_set(err, STATUS_USAGE, "--%s %s: a number was expected (%s)", row->name,
+                             text, row->value);
+  }
+  if (*value < row->min || *value > row->max) {
+    return placido_error_set(err, STATUS_USAGE, "--%s %g: it ranges from %g to %g", row->name,
+                             *value, row->min, row->max);
+  }
+  return PLACIDO_OK;
+}
+
+int parse_switch(void *field, const struct option_row *row, const char *text, placido_error *err) {
+  (void)row;
+  (void)text;
+  (void)err;
+  *(bool *)field = true;
+  return PLACIDO_OK;
+}
+
+int parse_number(void *field, const struct option_row *row, const char *text, placido_error *err) {
+  struct number_list one;
+  const int status = parse_tuple(&one, row, text, 1, 1, err);
+  if (status == PLACIDO_OK) {
+    *(double *)field = one.values[0];
+  }
+  return status;
+}
+
+int parse_integer(void *field, const struct option_row *row, const char *text, placido_error *err) {
+  struct number_list one;
+  const int status = parse_tuple(&one, row, text, 1, 1, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  if (one.values[0] != floor(one.values[0])) {
+    return placido_error_set(err, STATUS_USAGE, "--%s %s: a whole number was expected", row->name,
+                             text);
+  }
+  *(int *)field = (int)one.values[0];
+  return PLACIDO_OK;
+}
+
+int parse_text(void *field, const struct option_row *row, const char *text, placido_error *err) {
+  if (text[0] == '\0') {
+    return placido_error_set(err, STATUS_USAGE, "--%s: its value is empty (%s)", row->name,
+                             row->value);
+  }
+  *(const char **)field = text;
+  return PLACIDO_OK;
+}
+
+int parse_tuple(struct number_list *list, const struct option_row *row, const char *text,
+                size_t least, size_t most, placido_error *err) {
+  list->count = 0;
+  const char *next = text;
+  for (;;) {
+    char *end;
+    if (list->count == most) {
+      return placido_error_set(err, STATUS_USAGE, "--%s %s: at most %zu number%s (%s)", row->name,
+                               text, most, most == 1 ? "" : "s", row->value);
+    }
+    const int status = read_number(&list->values[list->count], &end, row, next, err);
+    if (status != PLACIDO_OK) {
+      return status;
+    }
+    list->count++;
+    if (*end == '\0') {
+      break;
+    }
+    if (*end != ',') {
+      return placido_error_set(err, STATUS_USAGE, "--%s %s: \"%s\" is not understood (%s)",
+                               row->name, text, end, row->value);
+    }
+    next = end + 1;
+  }
+  if (list->count < least) {
+    return placido_error_set(err, STATUS_USAGE, "--%s %s: %zu numbers were expected (%s)",
+                             row->name, text, least, row->value);
+  }
+  return PLACIDO_OK;
+}
+
+int parse_numbers(void *field, const struct option_row *row, const char *text, placido_error *err) {
+  return parse_tuple(field, row, text, 1, LIST_MAX, err);
+}
+
+int parse_text_more(void *field, const struct option_row *row, const char *text,
+                    placido_error *err) {
+  struct text_list *list = field;
+  if (list->count == LIST_MAX) {
+    return placido_error_set(err, STATUS_USAGE, "--%s: given more than %d times", row->name,
+                             LIST_MAX);
+  }
+  return parse_text(&list->values[list->count++], row, text, err);
+}
+
+/* The tables as getopt_long wants them. */
+struct getopt_tables {
+  size_t count;
+  const struct option_row *rows[ROWS_MAX];
+  struct option longs[ROWS_MAX + 1];
+  char letters[2 * ROWS_MAX + 2];
+};
+
+static void fill_tables(struct getopt_tables *tables, const struct option_group *const *groups) {
+  char *letter = tables->letters;
+  *letter++ = ':'; /* a missing value is told apart from an unknown option */
+  for (; *groups; groups++) {
+    for (size_t i = 0; i < (*groups)->count && tables->count < ROWS_MAX; i++) {
+      const struct option_row *row = &(*groups)->rows[i];
+      tables->rows[tables->count] = row;
+      tables->longs[tables->count] =
+          (struct option){.name = row->name,
+                          .has_arg = row->value ? required_argument : no_argument,
+                          .val = LONG_BASE + (int)tables->count};
+      tables->count++;
+      if (row->letter) {
+        *letter++ = row->letter;
+        if (row->value) {
+          *letter++ = ':';
+        }
+      }
+    }
+  }
+}
+
+static const struct option_row *find_row(const struct getopt_tables *tables, int code) {
+  if (code >= LONG_BASE) {
+    return tables->rows[code - LONG_BASE];
+  }
+  for (size_t i = 0; i < tables->count; i++) {
+    if (tables->rows[i]->letter == code) {
+      return tables->rows[i];
+    }
+  }
+  return NULL;
+}
+
+static int refuse(const struct getopt_tables *tables, int code, char **argv, placido_error *err) {
+  const char *given = argv[optind - 1];
+  const struct option_row *row = optopt ? find_row(tables, optopt) : NULL;
+  if (code == ':' && row) {
+    return placido_error_set(err, STATUS_USAGE, "--%s needs a value: %s", row->name, row->value);
+  }
+  if (row && !row->value) {
+    return placido_error_set(err, STATUS_USAGE, "--%s takes no value", row->name);
+  }
+  if (optopt && !row && optopt < LONG_BASE) {
+    return placido_error_set(err, STATUS_USAGE, "unknown option -%c", optopt);
+  }
+  return placido_error_set(err, STATUS_USAGE, "unknown or ambiguous option %s", given);
+}
+
+static int take_word(const char **word, int argc, char **argv, placido_error *err) {
+  if (optind < argc) {
+    *word = argv[optind];
+  }
+  if (optind + 1 < argc) {
+    return placido_error_set(err, STATUS_USAGE, "one input at a time: \"%s\" is one too many",
+                             argv[optind + 1]);
+  }
+  return PLACIDO_OK;
+}
+
+int options_parse(void *settings, const char **word, const struct option_group *const *groups,
+                  int argc, char **argv, placido_error *err) {
+  struct getopt_tables tables = {0};
+  fill_tables(&tables, groups);
+  *word = NULL;
+  opterr = 0;
+  optind = 1;
+  int code;
+  while ((code = getopt_long(argc, argv, tables.letters, tables.longs, NULL)) != -1) {
+    const struct option_row *row = find_row(&tables, code);
+    if (!row) {
+      return refuse(&tables, code, argv, err);
+    }
+    const int status = row->parse((char *)settings + row->offset, row, optarg, err);
+    if (status != PLACIDO_OK) {
+      return status;
+    }
+  }
+  return take_word(word, argc, argv, err);
+}
+
+/* Prints text broken at spaces, every line after the first indented to the help's column. */
+static void print_wrapped(const char *text) {
+  size_t column = HELP_COLUMN;
+  while (*text) {
+    const size_t length = strcspn(text, " ");
+    if (column > HELP_COLUMN && column + length > HELP_WIDTH) {
+      printf("\n%*s", HELP_COLUMN, "");
+      column = HELP_COLUMN;
+    }
+    printf("%.*s ", (int)length, text);
+    column += length + 1;
+    text += length;
+    text += strspn(text, " ");
+  }
+  putchar('\n');
+}
+
+static void print_row(const struct option_row *row) {
+  char head[80];
+  const char letter[5] = {row->letter ? '-' : ' ', row->letter ? row->letter : ' ',
+                          row->letter ? ',' : ' ', ' ', '\0'};
+  const int length = snprintf(head, sizeof head, "  %s--%s%s%s", letter, row->name,
+                              row->value ? " " : "", row->value ? row->value : "");
+  if (length < HELP_COLUMN) {
+    printf("%-*s", HELP_COLUMN, head);
+  } else {
+    printf("%s\n%*s", head, HELP_COLUMN, "");
+  }
+  print_wrapped(row->help);
+}
+
+void options_print(const struct option_group *const *groups) {
+  for (; *groups; groups++) {
+    printf("\n%s\n", (*groups)->title);
+    for (size_t i = 0; i < (*groups)->count; i++) {
+      print_row(&(*groups)->rows[i]);
+    }
+  }
+}

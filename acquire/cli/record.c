@@ -1,0 +1,257 @@
+/* Writes down what was examined, how, how well and how long it took. */
+#include "acquire/cli/record.h"
+
+#include "base/json.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* An object being built; `failed` once a value did not fit into memory. */
+struct builder {
+  json_t *object;
+  bool failed;
+};
+
+static struct builder builder_new(void) {
+  struct builder builder = {.object = json_object()};
+  builder.failed = !builder.object;
+  return builder;
+}
+
+/* Takes the reference of `value`, which may be NULL when memory is out. */
+static void put(struct builder *builder, const char *key, json_t *value) {
+  if (!builder->object || json_object_set_new(builder->object, key, value) != 0) {
+    builder->failed = true;
+  }
+}
+
+static void put_real(struct builder *builder, const char *key, double value) {
+  put(builder, key, placido_json_real(value));
+}
+
+static void put_integer(struct builder *builder, const char *key, long long value) {
+  put(builder, key, json_integer(value));
+}
+
+static void put_text(struct builder *builder, const char *key, const char *text) {
+  put(builder, key, text[0] ? record_text(text) : json_null());
+}
+
+/* Moves a finished child into its parent. */
+static void put_object(struct builder *builder, const char *key, struct builder child) {
+  builder->failed = builder->failed || child.failed;
+  put(builder, key, child.object);
+}
+
+static void append(struct builder *builder, json_t *array, json_t *value) {
+  if (json_array_append_new(array, value) != 0) {
+    builder->failed = true;
+  }
+}
+
+json_t *record_text(const char *text) {
+  json_t *value = json_string(text);
+  if (value) {
+    return value;
+  }
+  char *ascii = placido_memory_string(text, NULL);
+  if (!ascii) {
+    return NULL;
+  }
+  for (char *c = ascii; *c; c++) {
+    *c = (unsigned char)*c < 0x80 ? *c : '?';
+  }
+  value = json_string(ascii);
+  placido_memory_free(ascii);
+  return value;
+}
+
+static struct builder build_input(const struct examination *examination) {
+  struct builder builder = builder_new();
+  const placido_device_info *source = &examination->source;
+  put_text(&builder, "path", examination->settings->input);
+  if (examination->frame.data) {
+    put_text(&builder, "eye", source->eye);
+    put_text(&builder, "vendor", source->vendor);
+    put_text(&builder, "model", source->model);
+    put_text(&builder, "serial", source->serial);
+    put_text(&builder, "instrument", examination->instrument.name);
+    put(&builder, "calibrated", json_boolean(examination->instrument.calibrated));
+  }
+  return builder;
+}
+
+/* A number that has a default: null says that the default was used. */
+static void put_asked(struct builder *builder, const char *key, double value) {
+  put_real(builder, key, value != 0.0 ? value : (double)NAN);
+}
+
+static struct builder build_settings(const struct examination *examination) {
+  struct builder builder = builder_new();
+  const struct settings *settings = examination->settings;
+  if (examination->frame.data) {
+    put_real(&builder, "axis_z_mm", examination->axis_z_mm);
+    put_real(&builder, "axis_z_sigma_mm", examination->axis_z_sigma_mm);
+    put_asked(&builder, "meridians", settings->meridians);
+    put_asked(&builder, "knot_mm", settings->knot_mm);
+  }
+  if (examination->views.scene_count > 0) {
+    json_t *pupils = json_array(), *scenes = json_array();
+    for (size_t i = 0; i < settings->pupils_mm.count; i++) {
+      append(&builder, pupils, placido_json_real(settings->pupils_mm.values[i]));
+    }
+    for (size_t i = 0; i < examination->views.scene_count; i++) {
+      append(&builder, scenes, record_text(examination->views.scenes[i].name));
+    }
+    put(&builder, "pupils_mm", pupils);
+    put(&builder, "scenes", scenes);
+    put_asked(&builder, "index", settings->index);
+    put_asked(&builder, "retina_mm", settings->retina_mm);
+    put_asked(&builder, "samples", settings->samples);
+    put_asked(&builder, "bucket_arcmin", settings->bucket_arcmin);
+    put(&builder, "cwhatuc", json_boolean(settings->cwhatuc));
+  }
+  put_integer(&builder, "threads", examination->threads);
+  return builder;
+}
+
+static struct builder build_capture(const struct examination *examination) {
+  struct builder builder = builder_new();
+  put_integer(&builder, "frame", examination->choice.index);
+  put_integer(&builder, "frames", examination->choice.frames);
+  put_integer(&builder, "damaged", examination->choice.damaged);
+  put_real(&builder, "score", examination->choice.score);
+  put_real(&builder, "coverage", examination->mires.coverage);
+  put_real(&builder, "contrast", examination->mires.contrast);
+  json_t *centre = json_array();
+  append(&builder, centre, placido_json_real(examination->mires.centre_u_px));
+  append(&builder, centre, placido_json_real(examination->mires.centre_v_px));
+  put(&builder, "centre_px", centre);
+  return builder;
+}
+
+static struct builder build_fit(const struct examination *examination) {
+  struct builder builder = builder_new();
+  const placido_fit_summary fit = placido_fit_summary_get(examination->fit);
+  const placido_sphere *sphere = &examination->maps.sphere;
+  put_real(&builder, "rms_px", fit.rms_px);
+  put_real(&builder, "sigma_px", fit.sigma_px);
+  put_integer(&builder, "points", (long long)fit.points);
+  put_integer(&builder, "points_used", (long long)fit.points_used);
+  put_integer(&builder, "steps", fit.steps);
+  put_real(&builder, "knot_mm", fit.knot_mm);
+  put_real(&builder, "radius_mm", fit.radius_mm);
+  put_real(&builder, "condition", fit.condition);
+  struct builder best = builder_new();
+  put_real(&best, "radius_mm", sphere->radius_mm);
+  put_real(&best, "x_mm", sphere->x_mm);
+  put_real(&best, "y_mm", sphere->y_mm);
+  put_real(&best, "z_mm", sphere->z_mm);
+  put_real(&best, "zone_mm", sphere->zone_mm);
+  put_object(&builder, "best_fit_sphere", best);
+  return builder;
+}
+
+static struct builder build_pupil(const struct view *view) {
+  struct builder builder = builder_new();
+  double sphere_D, cylinder_D, axis_deg;
+  placido_correction_clinical(&view->psf.correction, &sphere_D, &cylinder_D, &axis_deg);
+  put_real(&builder, "pupil_mm", view->psf.pupil_mm);
+  put_text(&builder, "directory", view->directory);
+  put_real(&builder, "strehl_g", view->psf.strehl_g);
+  put_real(&builder, "sphere_D", sphere_D);
+  put_real(&builder, "cylinder_D", cylinder_D);
+  put_real(&builder, "axis_deg", axis_deg);
+  put_real(&builder, "retina_mm", view->psf.retina_mm);
+  put_integer(&builder, "rays_entered", view->psf.rays_entered);
+  put_integer(&builder, "rays_landed", view->psf.rays_landed);
+  put_integer(&builder, "rays_missed", view->psf.rays_missed);
+  return builder;
+}
+
+static struct builder build_seconds(const struct examination *examination) {
+  struct builder builder = builder_new();
+  const struct stages *stages = &examination->outcome->stages;
+  const size_t running = stages->ended || stages->count == 0 ? 0 : 1;
+  for (size_t i = 0; i < stages->count - running; i++) {
+    put_real(&builder, stages->items[i].name, stages->items[i].seconds);
+  }
+  put_real(&builder, "total", stages->total);
+  return builder;
+}
+
+static void put_views(struct builder *builder, const struct views *views) {
+  json_t *pupils = json_array();
+  for (size_t i = 0; i < views->count; i++) {
+    const struct builder pupil = build_pupil(&views->items[i]);
+    builder->failed = builder->failed || pupil.failed;
+    append(builder, pupils, pupil.object);
+  }
+  put(builder, "pupils", pupils);
+}
+
+static void put_warnings(struct builder *builder, const placido_notes *notes) {
+  json_t *warnings = json_array();
+  for (size_t i = 0; i < notes->count; i++) {
+    append(builder, warnings, record_text(notes->lines[i]));
+  }
+  put(builder, "warnings", warnings);
+}
+
+static struct builder build_record(const struct examination *examination) {
+  struct builder builder = builder_new();
+  put_text(&builder, "format", examination->recipe->format);
+  put_text(&builder, "software", PROGRAM_VERSION);
+  put_text(&builder, "created", examination->created);
+  put_object(&builder, "input", build_input(examination));
+  put_object(&builder, "settings", build_settings(examination));
+  if (examination->fit) {
+    put_object(&builder, "capture", build_capture(examination));
+    put_object(&builder, "fit", build_fit(examination));
+  }
+  if (examination->views.scene_count > 0) {
+    put_views(&builder, &examination->views);
+  }
+  put_object(&builder, "seconds", build_seconds(examination));
+  put_warnings(&builder, &examination->outcome->notes);
+  return builder;
+}
+
+int record_save(const struct examination *examination, const char *path, placido_error *err) {
+  struct builder builder = build_record(examination);
+  int status = PLACIDO_MEMORY;
+  if (builder.failed) {
+    placido_error_set(err, status, "out of memory while writing %s", path);
+  } else {
+    status = placido_json_save(builder.object, path, err);
+  }
+  json_decref(builder.object);
+  return status;
+}
+
+static struct builder build_index(const placido_index_value *index) {
+  struct builder builder = builder_new();
+  put_text(&builder, "name", index->name);
+  put_text(&builder, "unit", index->unit);
+  put_real(&builder, "value", index->value);
+  put_real(&builder, "sigma", index->sigma);
+  return builder;
+}
+
+json_t *record_result(const struct examination *examination) {
+  struct builder builder = build_record(examination);
+  put_text(&builder, "directory", examination->settings->output);
+  if (examination->fit) {
+    json_t *indices = json_array();
+    for (size_t i = 0; i < examination->index_count; i++) {
+      append(&builder, indices, build_index(&examination->indices[i]).object);
+    }
+    put(&builder, "indices", indices);
+  }
+  if (builder.failed) {
+    json_decref(builder.object);
+    return NULL;
+  }
+  return builder.object;
+}

@@ -1,0 +1,184 @@
+/* The option tables: every option of every command, with its unit, range and default. */
+#include "acquire/cli/settings.h"
+
+#include <math.h>
+#include <stddef.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#define FIELD(name) offsetof(struct settings, name)
+#define COUNT(rows) (sizeof(rows) / sizeof((rows)[0]))
+
+/* "Z" or "Z,SIGMA"; without SIGMA the distance counts as exactly known. */
+static int parse_distance(void *field, const struct option_row *row, const char *text,
+                          placido_error *err) {
+  struct number_list list;
+  const int status = parse_tuple(&list, row, text, 1, 2, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  const double sigma = list.count == 2 ? list.values[1] : 0.0;
+  if (sigma < 0.0) {
+    return placido_error_set(err, STATUS_USAGE, "--%s %s: SIGMA is not negative", row->name, text);
+  }
+  *(struct distance *)field =
+      (struct distance){.given = true, .value_mm = list.values[0], .sigma_mm = sigma};
+  return PLACIDO_OK;
+}
+
+/* "SPHERE,CYLINDER,AXIS" into a power vector (Thibos, Wheeler, Horner 1997, eq. 1-3). */
+static int parse_lens(void *field, const struct option_row *row, const char *text,
+                      placido_error *err) {
+  struct number_list list;
+  const int status = parse_tuple(&list, row, text, 3, 3, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  const double pi = 3.14159265358979323846;
+  const double sphere = list.values[0], cylinder = list.values[1];
+  const double twice_axis = 2.0 * list.values[2] * pi / 180.0;
+  *(struct lens *)field = (struct lens){.given = true,
+                                        .power = {.m_D = sphere + 0.5 * cylinder,
+                                                  .j0_D = -0.5 * cylinder * cos(twice_axis),
+                                                  .j45_D = -0.5 * cylinder * sin(twice_axis)}};
+  return PLACIDO_OK;
+}
+
+static int parse_pair(void *field, const struct option_row *row, const char *text,
+                      placido_error *err) {
+  return parse_tuple(field, row, text, 2, 2, err);
+}
+
+static int parse_triple(void *field, const struct option_row *row, const char *text,
+                        placido_error *err) {
+  return parse_tuple(field, row, text, 3, 3, err);
+}
+
+static int parse_seed(void *field, const struct option_row *row, const char *text,
+                      placido_error *err) {
+  int seed;
+  const int status = parse_integer(&seed, row, text, err);
+  if (status == PLACIDO_OK) {
+    *(uint64_t *)field = (uint64_t)seed;
+  }
+  return status;
+}
+
+static const struct option_row general_rows[] = {
+    {"threads", 0, "N", "Threads to use (default: as many as the machine has). Results do not "
+     "depend on it.", FIELD(threads), parse_integer, 1, 256},
+    {"json", 0, NULL, "Print one JSON object of the result on standard output, for machines.",
+     FIELD(json), parse_switch, 0, 0},
+    {"quiet", 'q', NULL, "Print nothing but errors (and --json's object).", FIELD(quiet),
+     parse_switch, 0, 0},
+    {"help", 'h', NULL, "Print this help.", FIELD(help), parse_switch, 0, 0},
+};
+
+static const struct option_row directory_rows[] = {
+    {"output", 'o', "DIR", "Directory to write. It appears whole or not at all; an earlier result "
+     "of the same command is replaced, anything else is not touched.", FIELD(output),
+     parse_text, 0, 0},
+    {"timing", 0, NULL, "Print the wall time of every stage.", FIELD(timing), parse_switch, 0, 0},
+};
+
+static const struct option_row measuring_rows[] = {
+    {"instrument", 0, "FILE", "The topographer's geometry (placido-instrument/1). Needed for an "
+     "image; for a session it takes the place of the session's own.", FIELD(instrument),
+     parse_text, 0, 0},
+    {"axis-z", 0, "Z[,SIGMA]", "z of the cornea on the instrument's axis and its standard "
+     "deviation, mm. Default: what the session recorded, else 0 with sigma 0.05. Without SIGMA it "
+     "counts as exactly known.", FIELD(axis_z), parse_distance, -100, 100},
+    {"frame", 0, "N", "Frame to examine, counted from 0 (default: the one that shows the mires "
+     "best).", FIELD(frame), parse_integer, 0, 2e9},
+    {"knots", 0, "MM", "Knot spacing of the surface's spline, mm (default: 0.5, or finer where the "
+     "residuals ask for it).", FIELD(knot_mm), parse_number, 0.1, 2},
+    {"meridians", 0, "N", "Meridians along which edges are measured (default 180).",
+     FIELD(meridians), parse_integer, 16, 1440},
+};
+
+static const struct option_row seeing_rows[] = {
+    {"pupils", 0, "MM,MM,...", "Diameters of the simulated pupil, mm (default 2,4,8).",
+     FIELD(pupils_mm), parse_numbers, 0.1, 12},
+    {"scene", 0, "NAME|FILE", "What is looked at: a chart by name or a placido-scene/1 file. May "
+     "be given several times (default: tumbling-e).", FIELD(scenes), parse_text_more, 0, 0},
+    {"index", 0, "N", "Refractive index behind the cornea (default 1.3375).", FIELD(index),
+     parse_number, 1.01, 2},
+    {"rays", 0, "N", "Rays: a crosshatch of N×N and (N-1)×(N-1) over the pupil's square (default "
+     "400; 100 gives the 19,801 points of CWhatUC).", FIELD(samples), parse_integer, 2, 20000},
+    {"bucket", 0, "ARCMIN", "Width of a bucket of the point spread function, minutes of arc "
+     "(default 0.5).", FIELD(bucket_arcmin), parse_number, 0.01, 10},
+    {"cwhatuc", 0, NULL, "As the program CWhatUC did it: buckets of 2.5 µm, each called half a "
+     "minute.", FIELD(cwhatuc), parse_switch, 0, 0},
+};
+
+static const struct option_row eye_rows[] = {
+    {"retina", 0, "MM", "Distance of the retina from the cornea, mm (default: searched for the "
+     "best focus).", FIELD(retina_mm), parse_number, 1, 100},
+    {"correction", 0, "S,C,AXIS", "Correcting lens on the cornea: sphere and cylinder in dioptres, "
+     "axis in degrees (default: cylinder and axis searched for the best focus).",
+     FIELD(correction), parse_lens, -180, 180},
+};
+
+static const struct option_row phantom_rows[] = {
+    {"eye", 0, "NAME|FILE", "A built-in eye or a placido-surface/1 file.", FIELD(eye), parse_text,
+     0, 0},
+    {"instrument", 0, "NAME|FILE", "A built-in instrument or a placido-instrument/1 file.",
+     FIELD(instrument), parse_text, 0, 0},
+    {"side", 0, "OD|OS", "Which eye a session says it is: right or left (default OD).",
+     FIELD(side), parse_text, 0, 0},
+    {"output", 'o', "FILE", "FILE.png for one image, NAME.session for a session. Must not exist "
+     "yet.",
+     FIELD(output), parse_text, 0, 0},
+    {"frames", 0, "N", "Frames of the session, with small natural movements of the eye between "
+     "them (default 8).", FIELD(frames), parse_integer, 1, 10000},
+    {"bits", 0, "N", "Bits of a sample, 8 to 16 (default 8).", FIELD(disturbance.bits),
+     parse_integer, 8, 16},
+    {"noise", 0, "G", "Standard deviation of sensor noise, grey levels of 8 bits (default 0).",
+     FIELD(disturbance.noise), parse_number, 0, 100},
+    {"blur", 0, "PX", "Defocus: standard deviation of a Gaussian, px (default 0).",
+     FIELD(disturbance.blur_px), parse_number, 0, 50},
+    {"motion", 0, "L,DEG", "Motion blur: length in px and direction in degrees (default none).",
+     FIELD(motion), parse_pair, -360, 360},
+    {"lashes", 0, "N", "Eyelashes in the picture (default 0).", FIELD(disturbance.lashes),
+     parse_integer, 0, 200},
+    {"nose", 0, NULL, "With the nose's shadow.", FIELD(disturbance.nose), parse_switch, 0, 0},
+    {"lid", 0, NULL, "With a drooping upper lid.", FIELD(disturbance.lid), parse_switch, 0, 0},
+    {"break-up", 0, "SHARE", "Share of the cornea where the tear film is broken, 0 to 0.5 (default "
+     "0).", FIELD(disturbance.break_up), parse_number, 0, 0.5},
+    {"shift", 0, "X,Y,Z", "Movement of the whole eye, mm (default 0,0,0).", FIELD(shift_mm),
+     parse_triple, -20, 20},
+    {"seed", 0, "N", "Seed of everything random (default 1).", FIELD(disturbance.seed), parse_seed,
+     0, 2e9},
+};
+
+const struct option_group options_general = {"General", general_rows, COUNT(general_rows)};
+const struct option_group options_directory = {"Output", directory_rows, COUNT(directory_rows)};
+const struct option_group options_measuring = {"Measuring", measuring_rows, COUNT(measuring_rows)};
+const struct option_group options_seeing = {"Seeing", seeing_rows, COUNT(seeing_rows)};
+const struct option_group options_eye = {"Eye", eye_rows, COUNT(eye_rows)};
+const struct option_group options_phantom = {"Phantom", phantom_rows, COUNT(phantom_rows)};
+
+struct settings settings_default(void) {
+  return (struct settings){
+      .frame = -1,
+      .frames = 8,
+      .pupils_mm = {.count = 3, .values = {2.0, 4.0, 8.0}},
+      .disturbance = {.seed = 1},
+  };
+}
+
+#ifdef _OPENMP
+int settings_use_threads(const struct settings *settings) {
+  if (settings->threads > 0) {
+    omp_set_num_threads(settings->threads);
+  }
+  return omp_get_max_threads();
+}
+#else
+/* Built without OpenMP: there is one thread. */
+int settings_use_threads(const struct settings *settings) {
+  (void)settings;
+  return 1;
+}
+#endif

@@ -1,0 +1,59 @@
+/* What a person may set: one struct for every command, filled from option tables. */
+#ifndef PLACIDO_CLI_SETTINGS_H
+#define PLACIDO_CLI_SETTINGS_H
+
+#include "acquire/cli/options.h"
+
+#include <placido/phantom.h>
+#include <placido/simulate.h>
+
+/* A value with its standard deviation; `given` where it stood on the command line. */
+struct distance {
+  bool given;
+  double value_mm, sigma_mm;
+};
+
+struct lens {
+  bool given;
+  placido_correction power;
+};
+
+struct settings {
+  const char *input;  /* INPUT, SURFACE or COMMAND */
+  const char *output; /* -o */
+  bool help, json, quiet, timing;
+  int threads; /* 0: as many as the machine has */
+
+  /* measuring */
+  const char *instrument;
+  struct distance axis_z;
+  int frame; /* -1: the best */
+  double knot_mm;
+  int meridians;
+
+  /* seeing */
+  struct number_list pupils_mm;
+  struct text_list scenes;
+  double index, bucket_arcmin, retina_mm;
+  int samples;
+  bool cwhatuc;
+  struct lens correction;
+
+  /* phantom */
+  const char *eye, *side;
+  int frames;
+  struct number_list motion, shift_mm;
+  placido_disturbance disturbance;
+};
+
+/* The option tables, in the order in which help shows them. */
+extern const struct option_group options_general, options_measuring, options_seeing, options_eye,
+    options_directory, options_phantom;
+
+/* What holds before the command line is read. */
+struct settings settings_default(void);
+
+/* Sets how many threads the libraries may use, and returns that number. */
+int settings_use_threads(const struct settings *settings);
+
+#endif

@@ -1,0 +1,161 @@
+/* Runs the simulation for every pupil and scene. A pupil that the surface cannot fill and a scene
+ * too coarse for its PSF are left out with a warning: the rest is worth having. */
+#include "acquire/cli/views.h"
+
+#include "acquire/cli/examination.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const default_scenes[] = {"tumbling-e"};
+
+/* A scene's name as the stem of a file name: letters, digits, '.', '_' and '-' stay. */
+static void make_stem(char stem[80], const char *name) {
+  snprintf(stem, 80, "%s", name);
+  for (char *c = stem; *c; c++) {
+    if (!isalnum((unsigned char)*c) && !strchr("._-", *c)) {
+      *c = '-';
+    }
+  }
+  if (stem[0] == '.' || stem[0] == '\0') {
+    stem[0] = '-';
+  }
+}
+
+/* Two scenes of one name would be one file; the PSF's own picture has its name already. */
+static int check_stem(const struct views *views, size_t index, placido_error *err) {
+  const char *stem = views->stems[index];
+  bool taken = strcmp(stem, "psf") == 0;
+  for (size_t i = 0; i < index; i++) {
+    taken = taken || strcmp(stem, views->stems[i]) == 0;
+  }
+  if (taken) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "scene \"%s\": the file name %s.png is taken; give it another name",
+                             views->scenes[index].name, stem);
+  }
+  return PLACIDO_OK;
+}
+
+static int check_pupils(const struct number_list *pupils, placido_error *err) {
+  for (size_t i = 0; i < pupils->count; i++) {
+    for (size_t k = 0; k < i; k++) {
+      if (pupils->values[i] == pupils->values[k]) {
+        return placido_error_set(err, STATUS_USAGE, "--pupils: %g stands twice",
+                                 pupils->values[i]);
+      }
+    }
+  }
+  return PLACIDO_OK;
+}
+
+int step_scenes(struct examination *examination, placido_error *err) {
+  stages_next(&examination->outcome->stages, "read scenes");
+  struct views *views = &examination->views;
+  const struct text_list *asked = &examination->settings->scenes;
+  const char *const *names = asked->count ? asked->values : default_scenes;
+  const size_t count = asked->count ? asked->count : 1;
+  int status = check_pupils(&examination->settings->pupils_mm, err);
+  for (size_t i = 0; i < count && status == PLACIDO_OK; i++) {
+    status = placido_scene_load(&views->scenes[i], names[i], &examination->outcome->notes, err);
+    if (status == PLACIDO_OK) {
+      views->scene_count++;
+      make_stem(views->stems[i], views->scenes[i].name);
+      status = check_stem(views, i, err);
+    }
+  }
+  return status;
+}
+
+static int see_psf(struct examination *examination, struct view *view, double pupil_mm,
+                   placido_error *err) {
+  const struct settings *settings = examination->settings;
+  struct stages *stages = &examination->outcome->stages;
+  stages_next(stages, "psf %g mm", pupil_mm);
+  const placido_eye eye = {.pupil_mm = pupil_mm,
+                           .index = settings->index,
+                           .retina_mm = settings->retina_mm,
+                           .correct = !settings->correction.given,
+                           .correction = settings->correction.power};
+  const placido_optics optics = {.samples = settings->samples,
+                                 .bucket_arcmin = settings->bucket_arcmin,
+                                 .cwhatuc = settings->cwhatuc,
+                                 .threads = examination->threads};
+  const int status = placido_psf_new(&view->psf, NULL, examination->surface, &eye, &optics,
+                                     &examination->outcome->notes, err);
+  snprintf(view->directory, sizeof view->directory, "pupil-%gmm", pupil_mm);
+  view->seconds = stages_elapsed(stages);
+  return status;
+}
+
+static int see_scene(struct examination *examination, struct view *view, size_t scene,
+                     placido_error *err) {
+  struct views *views = &examination->views;
+  placido_error reason = {0};
+  const int status = placido_scene_see(&view->seen[scene], &views->scenes[scene], &view->psf,
+                                       examination->threads, &reason);
+  if (status == PLACIDO_QUALITY) {
+    placido_notes_add(&examination->outcome->notes, "scene %s left out: %s",
+                      views->scenes[scene].name, reason.text);
+    return PLACIDO_OK;
+  }
+  if (status != PLACIDO_OK) {
+    return placido_error_set(err, status, "%s", reason.text);
+  }
+  placido_image_to_srgb(&view->seen[scene]);
+  return PLACIDO_OK;
+}
+
+static int see_pupil(struct examination *examination, double pupil_mm, placido_error *err) {
+  struct views *views = &examination->views;
+  struct view *view = &views->items[views->count];
+  int status = see_psf(examination, view, pupil_mm, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  views->count++;
+  stages_next(&examination->outcome->stages, "scenes %g mm", pupil_mm);
+  for (size_t i = 0; i < views->scene_count && status == PLACIDO_OK; i++) {
+    status = see_scene(examination, view, i, err);
+  }
+  return status;
+}
+
+int step_see(struct examination *examination, placido_error *err) {
+  const struct number_list *pupils = &examination->settings->pupils_mm;
+  placido_error reason = {0};
+  for (size_t i = 0; i < pupils->count; i++) {
+    const int status = see_pupil(examination, pupils->values[i], &reason);
+    if (status == PLACIDO_QUALITY) {
+      placido_notes_add(&examination->outcome->notes, "pupil of %g mm left out: %s",
+                        pupils->values[i], reason.text);
+    } else if (status != PLACIDO_OK) {
+      return placido_error_set(err, status, "%s", reason.text);
+    }
+  }
+  if (examination->views.count == 0 && !examination->fit) {
+    return placido_error_set(err, PLACIDO_QUALITY, "no pupil can be simulated: %s", reason.text);
+  }
+  return PLACIDO_OK;
+}
+
+static void print_chart(void *user, const char *name, const char *help) {
+  (void)user;
+  printf("  %-23s %s\n", name, help);
+}
+
+void views_list_charts(void) {
+  puts("\nCharts");
+  placido_chart_list(print_chart, NULL);
+}
+
+void views_free(struct views *views) {
+  for (size_t i = 0; i < LIST_MAX; i++) {
+    placido_scene_free(&views->scenes[i]);
+    placido_psf_free(&views->items[i].psf);
+    for (size_t k = 0; k < LIST_MAX; k++) {
+      placido_image_free(&views->items[i].seen[k]);
+    }
+  }
+}

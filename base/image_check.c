@@ -1,0 +1,173 @@
+/* What of an image file can be told without decoding it: its kind, and whether its end is there.
+ * PNG: ISO/IEC 15948; JPEG: ITU-T T.81 annex B; TIFF 6.0; PNM: netpbm's pgm(5), ppm(5). */
+#include "base/image_check.h"
+
+#include "base/text.h"
+
+#include <ctype.h>
+#include <stdint.h>
+#include <string.h>
+
+#define SIDE_MAX_PX 65536
+
+static int refuse(const char *name, const char *reason, placido_error *err) {
+  return placido_error_set(err, PLACIDO_INPUT, "%s: %s", placido_text_tail(name), reason);
+}
+
+static uint32_t big_endian(const unsigned char *p) {
+  return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
+}
+
+/* The table of PNG's checksum, ISO/IEC 15948 annex D. */
+static void fill_crc_table(uint32_t table[256]) {
+  for (uint32_t n = 0; n < 256; n++) {
+    uint32_t c = n;
+    for (int bit = 0; bit < 8; bit++) {
+      c = c & 1 ? 0xedb88320u ^ (c >> 1) : c >> 1;
+    }
+    table[n] = c;
+  }
+}
+
+static uint32_t crc(const uint32_t table[256], const unsigned char *bytes, size_t size) {
+  uint32_t c = 0xffffffffu;
+  for (size_t i = 0; i < size; i++) {
+    c = table[(c ^ bytes[i]) & 0xff] ^ (c >> 8);
+  }
+  return c ^ 0xffffffffu;
+}
+
+/* Walks the chunks: each whole, its checksum right, the last one IEND. */
+static int check_png(placido_image_kind *kind, const unsigned char *bytes, size_t size,
+                     const char *name, placido_error *err) {
+  const size_t header = 8, frame = 12; /* the signature; length, type and checksum of a chunk */
+  if (size < header + frame + 13 || memcmp(bytes + header + 4, "IHDR", 4) != 0) {
+    return refuse(name, "the PNG file has no header", err);
+  }
+  if (big_endian(bytes + 16) > SIDE_MAX_PX || big_endian(bytes + 20) > SIDE_MAX_PX) {
+    return refuse(name, "the image is wider or higher than 65536 pixels", err);
+  }
+  const unsigned char alpha_bit = 4, palette = 3;
+  kind->alpha = (bytes[25] & alpha_bit) || bytes[25] == palette;
+  uint32_t table[256];
+  fill_crc_table(table);
+  for (size_t at = header; size - at >= frame;) {
+    size_t length = big_endian(bytes + at);
+    if (length > size - at - frame) {
+      break;
+    }
+    const unsigned char *type = bytes + at + 4;
+    if (crc(table, type, length + 4) != big_endian(type + 4 + length)) {
+      return refuse(name, "the PNG file is damaged (a checksum is wrong)", err);
+    }
+    if (memcmp(type, "IEND", 4) == 0) {
+      return PLACIDO_OK;
+    }
+    at += length + frame;
+  }
+  return refuse(name, "the PNG file is cut off", err);
+}
+
+/* The segments up to the first scan (a thumbnail with its own end may be among them), and behind it
+ * the end of the image. Within a scan, 0xff is never followed by 0xd9. */
+static int check_jpeg(placido_image_kind *kind, const unsigned char *bytes, size_t size,
+                      const char *name, placido_error *err) {
+  (void)kind;
+  const unsigned char scan = 0xda, end = 0xd9;
+  size_t at = 2;
+  while (size - at >= 4 && bytes[at] == 0xff && bytes[at + 1] != scan) {
+    size_t length = (size_t)bytes[at + 2] << 8 | bytes[at + 3];
+    size_t step = bytes[at + 1] == 0xff ? 1 : length + 2; /* 0xff may be repeated as a filler */
+    if (step > size - at) {
+      break;
+    }
+    at += step;
+  }
+  if (size - at >= 4 && bytes[at] == 0xff && bytes[at + 1] == scan) {
+    for (; at + 1 < size; at++) {
+      if (bytes[at] == 0xff && bytes[at + 1] == end) {
+        return PLACIDO_OK;
+      }
+    }
+  }
+  return refuse(name, "the JPEG file is cut off or damaged", err);
+}
+
+static int check_tiff(placido_image_kind *kind, const unsigned char *bytes, size_t size,
+                      const char *name, placido_error *err) {
+  kind->keeps_own_orientation = true;
+  if (size < 8) {
+    return refuse(name, "the TIFF file is cut off", err);
+  }
+  bool little = bytes[0] == 'I';
+  size_t directory = little ? (size_t)bytes[7] << 24 | (size_t)bytes[6] << 16 |
+                                  (size_t)bytes[5] << 8 | bytes[4]
+                            : big_endian(bytes + 4);
+  bool classic = bytes[little ? 2 : 3] == 42;
+  return classic && directory >= size ? refuse(name, "the TIFF file is cut off", err) : PLACIDO_OK;
+}
+
+/* The next number of a PNM header, -1 where there is none; comments run from # to the line's end. */
+static long pnm_number(const unsigned char *bytes, size_t size, size_t *at) {
+  while (*at < size && (isspace(bytes[*at]) || bytes[*at] == '#')) {
+    if (bytes[*at] == '#') {
+      while (*at < size && bytes[*at] != '\n') {
+        ++*at;
+      }
+    } else {
+      ++*at;
+    }
+  }
+  long number = -1;
+  for (; *at < size && isdigit(bytes[*at]) && number < 10000000; ++*at) {
+    number = (number < 0 ? 0 : number * 10) + (bytes[*at] - '0');
+  }
+  return number;
+}
+
+static int check_pnm(placido_image_kind *kind, const unsigned char *bytes, size_t size,
+                     const char *name, placido_error *err) {
+  bool bitmap = bytes[1] == '1' || bytes[1] == '4', colour = bytes[1] == '3' || bytes[1] == '6';
+  size_t at = 2;
+  long width = pnm_number(bytes, size, &at), height = pnm_number(bytes, size, &at);
+  long white = bitmap ? 1 : pnm_number(bytes, size, &at);
+  if (width < 1 || height < 1 || width > SIDE_MAX_PX || height > SIDE_MAX_PX || white < 1 ||
+      white > 65535) {
+    return refuse(name, "the PNM file's header makes no sense", err);
+  }
+  bool text = bytes[1] <= '3';
+  size_t row = bitmap ? ((size_t)width + 7) / 8
+                      : (size_t)width * (colour ? 3 : 1) * (white > 255 ? 2 : 1);
+  if (!text && size - at < 1 + row * (size_t)height) {
+    return refuse(name, "the PNM file is cut off", err);
+  }
+  kind->full_scale = bitmap ? 0 : (int)white;
+  return PLACIDO_OK;
+}
+
+int placido_image_check(placido_image_kind *kind, const unsigned char *bytes, size_t size,
+                        const char *name, placido_error *err) {
+  static const struct {
+    const char *magic;
+    size_t length;
+    int (*check)(placido_image_kind *, const unsigned char *, size_t, const char *,
+                 placido_error *);
+  } kinds[] = {
+      {"\x89PNG\r\n\x1a\n", 8, check_png}, {"\xff\xd8\xff", 3, check_jpeg},
+      {"II*\0", 4, check_tiff},            {"MM\0*", 4, check_tiff},
+      {"II+\0", 4, check_tiff},            {"MM\0+", 4, check_tiff},
+      {"P1", 2, check_pnm},                {"P2", 2, check_pnm},
+      {"P3", 2, check_pnm},                {"P4", 2, check_pnm},
+      {"P5", 2, check_pnm},                {"P6", 2, check_pnm},
+  };
+  *kind = (placido_image_kind){0};
+  if (size == 0) {
+    return refuse(name, "the file is empty, an image is expected", err);
+  }
+  for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+    if (size >= kinds[i].length && memcmp(bytes, kinds[i].magic, kinds[i].length) == 0) {
+      return kinds[i].check(kind, bytes, size, name, err);
+    }
+  }
+  return refuse(name, "not an image (PNG, TIFF, PGM, PPM and JPEG are read)", err);
+}

@@ -1,0 +1,232 @@
+/* A device opened by URI: finds the driver, guards the order of calls and the controls' ranges. */
+#include <placido/device.h>
+
+#include "base/memory.h"
+#include "base/text.h"
+#include "drivers/driver.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct placido_device {
+  const placido_driver *driver;
+  void *state;
+  bool started;
+};
+
+static const placido_driver *find_driver(const char *scheme, size_t length) {
+  size_t count;
+  const placido_driver *const *drivers = placido_driver_table(&count);
+  for (size_t i = 0; i < count; i++) {
+    if (strlen(drivers[i]->scheme) == length && strncmp(drivers[i]->scheme, scheme, length) == 0) {
+      return drivers[i];
+    }
+  }
+  return NULL;
+}
+
+static bool exists(const char *path) {
+  return access(path, F_OK) == 0;
+}
+
+/* The length of what looks like a scheme before a colon: two or more letters and digits. */
+static size_t scheme_length(const char *uri) {
+  size_t length = strspn(uri, "abcdefghijklmnopqrstuvwxyz0123456789");
+  return length >= 2 && uri[length] == ':' ? length : 0;
+}
+
+/* The driver of a URI and what stands behind its colon. A path that exists is replayed, whatever
+ * colons it has. */
+static int choose_driver(const placido_driver **driver, const char **address, const char *uri,
+                         placido_error *err) {
+  size_t length = exists(uri) ? 0 : scheme_length(uri);
+  *driver = length > 0 ? find_driver(uri, length) : find_driver("replay", strlen("replay"));
+  *address = length > 0 ? uri + length + 1 : uri;
+  if (!*driver) {
+    return placido_error_set(err, PLACIDO_UNSUPPORTED,
+                             "no driver \"%.*s\" in this build (and no file %s)",
+                             (int)(length > 32 ? 32 : length), uri, placido_text_tail(uri));
+  }
+  return PLACIDO_OK;
+}
+
+/* Sets one "control=value" of a query. */
+static int apply_setting(placido_device *device, const char *setting, placido_error *err) {
+  char name[64] = "";
+  const char *equals = strchr(setting, '=');
+  size_t length = equals ? (size_t)(equals - setting) : strlen(setting);
+  if (equals && length < sizeof name) {
+    memcpy(name, setting, length);
+    char *end;
+    double value = strtod(equals + 1, &end);
+    if (end != equals + 1 && *end == '\0') {
+      return placido_device_set(device, name, value, err);
+    }
+  }
+  return placido_error_set(err, PLACIDO_INPUT,
+                           "\"%.100s\" in the device's address is not CONTROL=NUMBER", setting);
+}
+
+static int apply_query(placido_device *device, char *query, placido_error *err) {
+  int status = PLACIDO_OK;
+  while (!status && query && *query) {
+    char *next = strchr(query, '&');
+    if (next) {
+      *next++ = '\0';
+    }
+    status = apply_setting(device, query, err);
+    query = next;
+  }
+  return status;
+}
+
+/* Opens an address of which the caller gives a copy to cut up: "ADDRESS?control=value&...". */
+static int open_address(placido_device *device, char *address, placido_notes *notes,
+                        placido_error *err) {
+  char *query = exists(address) ? NULL : strrchr(address, '?');
+  if (query) {
+    *query++ = '\0';
+  }
+  int status = device->driver->open(&device->state, address, notes, err);
+  return status ? status : apply_query(device, query, err);
+}
+
+int placido_device_open(placido_device **device, const char *uri, placido_notes *notes,
+                        placido_error *err) {
+  *device = NULL;
+  const placido_driver *driver;
+  const char *address;
+  int status = choose_driver(&driver, &address, uri, err);
+  if (status) {
+    return status;
+  }
+  placido_device *opened = placido_memory_new(1, sizeof *opened, err);
+  char *copy = opened ? placido_memory_string(address, err) : NULL;
+  if (!copy) {
+    placido_memory_free(opened);
+    return PLACIDO_MEMORY;
+  }
+  opened->driver = driver;
+  status = open_address(opened, copy, notes, err);
+  placido_memory_free(copy);
+  if (status) {
+    placido_device_close(opened);
+    return status;
+  }
+  *device = opened;
+  return PLACIDO_OK;
+}
+
+void placido_device_close(placido_device *device) {
+  if (!device) {
+    return;
+  }
+  if (device->started) {
+    placido_device_stop(device, NULL);
+  }
+  if (device->state) {
+    device->driver->close(device->state);
+  }
+  placido_memory_free(device);
+}
+
+const placido_device_info *placido_device_info_get(const placido_device *device) {
+  return device->driver->info(device->state);
+}
+
+const placido_control *placido_device_controls(const placido_device *device, size_t *count) {
+  *count = 0;
+  return device->driver->controls ? device->driver->controls(device->state, count) : NULL;
+}
+
+static int find_control(const placido_device *device, const char *name, size_t *index,
+                        placido_error *err) {
+  size_t count;
+  const placido_control *controls = placido_device_controls(device, &count);
+  for (*index = 0; *index < count; ++*index) {
+    if (strcmp(controls[*index].name, name) == 0) {
+      return PLACIDO_OK;
+    }
+  }
+  return placido_error_set(err, PLACIDO_INPUT, "a %s device has no control \"%.100s\"",
+                           device->driver->scheme, name);
+}
+
+int placido_device_get(placido_device *device, const char *control, double *value,
+                       placido_error *err) {
+  *value = 0;
+  size_t index;
+  int status = find_control(device, control, &index, err);
+  return status ? status : device->driver->get(device->state, index, value, err);
+}
+
+int placido_device_set(placido_device *device, const char *control, double value,
+                       placido_error *err) {
+  size_t index, count;
+  int status = find_control(device, control, &index, err);
+  if (status) {
+    return status;
+  }
+  const placido_control *row = &placido_device_controls(device, &count)[index];
+  if (!(value >= row->min && value <= row->max)) {
+    return placido_error_set(err, PLACIDO_INPUT, "control %s is %g to %g %s, not %g", row->name,
+                             row->min, row->max, row->unit, value);
+  }
+  return device->driver->set(device->state, index, value, err);
+}
+
+int placido_device_start(placido_device *device, placido_error *err) {
+  if (device->started) {
+    return placido_error_set(err, PLACIDO_INPUT, "the %s device is started already",
+                             device->driver->scheme);
+  }
+  int status = device->driver->start(device->state, err);
+  device->started = status == PLACIDO_OK;
+  return status;
+}
+
+int placido_device_next(placido_device *device, placido_frame *frame, int timeout_ms,
+                        placido_error *err) {
+  if (!device->started) {
+    return placido_error_set(err, PLACIDO_INPUT, "the %s device is not started",
+                             device->driver->scheme);
+  }
+  return device->driver->next(device->state, frame, timeout_ms > 0 ? timeout_ms : 0, err);
+}
+
+int placido_device_stop(placido_device *device, placido_error *err) {
+  if (!device->started) {
+    return PLACIDO_OK;
+  }
+  device->started = false;
+  return device->driver->stop ? device->driver->stop(device->state, err) : PLACIDO_OK;
+}
+
+int placido_device_scan(const char *scheme,
+                        int (*found)(void *user, const char *uri, const char *description),
+                        void *user, placido_error *err) {
+  if (scheme && !find_driver(scheme, strlen(scheme))) {
+    return placido_error_set(err, PLACIDO_UNSUPPORTED, "no driver \"%.32s\" in this build",
+                             scheme);
+  }
+  size_t count;
+  const placido_driver *const *drivers = placido_driver_table(&count);
+  int status = PLACIDO_OK;
+  for (size_t i = 0; !status && i < count; i++) {
+    if (drivers[i]->scan && (!scheme || strcmp(drivers[i]->scheme, scheme) == 0)) {
+      status = drivers[i]->scan(found, user, err);
+    }
+  }
+  return status;
+}
+
+void placido_driver_list(void (*each)(void *user, const char *scheme, const char *summary),
+                         void *user) {
+  size_t count;
+  const placido_driver *const *drivers = placido_driver_table(&count);
+  for (size_t i = 0; i < count; i++) {
+    each(user, drivers[i]->scheme, drivers[i]->summary);
+  }
+}

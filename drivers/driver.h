@@ -1,0 +1,43 @@
+/* A driver: one row of the table that devices are opened from. */
+#ifndef PLACIDO_DRIVERS_DRIVER_H
+#define PLACIDO_DRIVERS_DRIVER_H
+
+#include <placido/device.h>
+#include <stddef.h>
+
+/* `state` is what open made. Functions that may be NULL say what that means. */
+typedef struct placido_driver {
+  const char *scheme;  /* what stands before the colon of a URI */
+  const char *summary; /* one line for the list of drivers */
+
+  /* Calls `found` for every device that can be seen, and stops with its value where that is not
+   * 0. Must not disturb a device in use. NULL: devices of this kind cannot be looked for. */
+  int (*scan)(int (*found)(void *user, const char *uri, const char *description), void *user,
+              placido_error *err);
+
+  /* Opens what stands behind the colon. May block for as long as a device needs to wake up.
+   * `*state` is NULL where it fails. */
+  int (*open)(void **state, const char *address, placido_notes *notes, placido_error *err);
+  /* Called once for each successful open, stopped or not. */
+  void (*close)(void *state);
+
+  /* Borrowed until close; the same for the life of the state. */
+  const placido_device_info *(*info)(const void *state);
+  /* Borrowed until close. NULL: there are no controls, and get and set are never called. */
+  const placido_control *(*controls)(const void *state, size_t *count);
+  /* `control` counts in the order of `controls`; the value has been checked against its range. */
+  int (*get)(void *state, size_t control, double *value, placido_error *err);
+  int (*set)(void *state, size_t control, double value, placido_error *err);
+
+  /* Never called while started. */
+  int (*start)(void *state, placido_error *err);
+  /* Called between start and stop only; blocks for at most timeout_ms (0 or more). */
+  int (*next)(void *state, placido_frame *frame, int timeout_ms, placido_error *err);
+  /* Called once for each successful start. NULL: nothing is to be done. */
+  int (*stop)(void *state, placido_error *err);
+} placido_driver;
+
+/* The drivers of this build, `*count` of them. */
+const placido_driver *const *placido_driver_table(size_t *count);
+
+#endif

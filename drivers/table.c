@@ -1,0 +1,12 @@
+/* The list of drivers; a new one is a row here. */
+#include "drivers/driver.h"
+#include "drivers/replay/replay.h"
+
+static const placido_driver *const drivers[] = {
+    &placido_replay_driver,
+};
+
+const placido_driver *const *placido_driver_table(size_t *count) {
+  *count = sizeof drivers / sizeof *drivers;
+  return drivers;
+}

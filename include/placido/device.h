@@ -1,0 +1,65 @@
+/* A device that gives frames, opened by URI: `replay:PATH` (a session or an image), later
+ * `v4l2:`, `u3v:`, `gpio:`. Pull with a deadline; one thread at a time. */
+#ifndef PLACIDO_DEVICE_H
+#define PLACIDO_DEVICE_H
+
+#include <placido/frame.h>
+#include <placido/notes.h>
+#include <placido/status.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct placido_device placido_device;
+
+/* What a device tells of itself; empty strings and NaN where unknown. */
+typedef struct placido_device_info {
+  char uri[1024];
+  char vendor[64], model[64], serial[64], firmware[64];
+  char eye[8];                       /* replay: OD or OS of the session */
+  char instrument_path[1024];        /* replay: the session's instrument.json; else empty */
+  double axis_z_mm, axis_z_sigma_mm; /* replay: as the session has them; else NaN */
+} placido_device_info;
+
+/* A control of a device, as data. */
+typedef struct placido_control {
+  const char *name; /* lower case with its unit: exposure_us, gain_db, speed */
+  const char *unit;
+  const char *help;
+  double min, max, step;
+} placido_control;
+
+/* Opens a device. A URI without a known scheme is taken as replay:URI. Close with
+ * placido_device_close. Returns PLACIDO_OK, PLACIDO_INPUT (URI), PLACIDO_SYSTEM,
+ * PLACIDO_UNSUPPORTED (scheme not in this build), PLACIDO_MEMORY. */
+int placido_device_open(placido_device **device, const char *uri, placido_notes *notes,
+                        placido_error *err);
+void placido_device_close(placido_device *device);
+
+/* Borrowed until the device is closed. */
+const placido_device_info *placido_device_info_get(const placido_device *device);
+
+/* The device's controls, `*count` of them; borrowed until the device is closed. */
+const placido_control *placido_device_controls(const placido_device *device, size_t *count);
+int placido_device_get(placido_device *device, const char *control, double *value,
+                       placido_error *err);
+int placido_device_set(placido_device *device, const char *control, double value,
+                       placido_error *err);
+
+/* Frames flow from start to stop. next fills `frame` (the caller's) within timeout_ms; it returns
+ * PLACIDO_END when there will be no further frame, PLACIDO_TIMEOUT when none came in time. */
+int placido_device_start(placido_device *device, placido_error *err);
+int placido_device_next(placido_device *device, placido_frame *frame, int timeout_ms,
+                        placido_error *err);
+int placido_device_stop(placido_device *device, placido_error *err);
+
+/* Calls `found` for every device that can be seen, driver by driver; stops and returns its value
+ * where that is not 0. `scheme` may be NULL (all drivers). */
+int placido_device_scan(const char *scheme,
+                        int (*found)(void *user, const char *uri, const char *description),
+                        void *user, placido_error *err);
+
+/* Calls `each` with scheme and summary of every driver in this build. */
+void placido_driver_list(void (*each)(void *user, const char *scheme, const char *summary),
+                         void *user);
+
+#endif

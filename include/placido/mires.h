@@ -1,0 +1,50 @@
+/* The mires' edges found in one frame: where they are, which they are, how sure that is. */
+#ifndef PLACIDO_MIRES_H
+#define PLACIDO_MIRES_H
+
+#include <placido/frame.h>
+#include <placido/instrument.h>
+#include <placido/notes.h>
+#include <placido/status.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct placido_mire_point {
+  int edge;            /* index into the instrument's edges, 0 the innermost */
+  double meridian_deg; /* about the mires' centre, 0..360, from +x (right) towards +y (up) */
+  double u_px, v_px;   /* sub-pixel position in the image */
+  double sigma_px;     /* standard deviation across the edge */
+  bool used;           /* taken by the surface fit */
+  double residual_px;  /* distance from the fitted surface's edge; NaN before the fit */
+} placido_mire_point;
+
+typedef struct placido_mires {
+  double centre_u_px, centre_v_px; /* the mires' centre: the reflection of the vertex */
+  int edge_count, meridian_count;
+  size_t count;
+  placido_mire_point *points; /* ordered by edge, then meridian */
+  double coverage;            /* share of edge_count × meridian_count that was found */
+  double contrast;            /* mean edge height over the image's full range */
+} placido_mires;
+
+/* Knobs of the detection; zero means the default in brackets. */
+typedef struct placido_mires_options {
+  int meridians;        /* [360] */
+  int edges_min;        /* fewest edges that must be seen on a fifth of the meridians [5] */
+  int threads;          /* [1]; the result does not depend on it */
+} placido_mires_options;
+
+/* Finds, measures and numbers the mires of a frame. An edge that cannot be numbered is left out.
+ * Free with placido_mires_free. Returns PLACIDO_OK, PLACIDO_INPUT (frame of another size than
+ * the instrument's), PLACIDO_QUALITY (no mires, or too few edges), PLACIDO_MEMORY. */
+int placido_mires_find(placido_mires *mires, const placido_frame *frame,
+                       const placido_instrument *instrument,
+                       const placido_mires_options *options, placido_notes *notes,
+                       placido_error *err);
+
+void placido_mires_free(placido_mires *mires);
+
+/* Writes mires.csv (docs/formats.md) by way of a temporary name. */
+int placido_mires_save(const placido_mires *mires, const char *path, placido_error *err);
+
+#endif

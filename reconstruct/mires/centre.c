@@ -1,0 +1,171 @@
+/* Centre of a system of rings: a vote of the gradients' lines on a coarse grid, then a robust least
+ * squares intersection of the lines in a shrinking window. */
+#include "reconstruct/mires/centre.h"
+
+#include "base/cv/cv.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A place with a strong gradient, and the gradient's direction. */
+typedef struct spot {
+  float x, y, gx, gy;
+} spot;
+
+typedef struct spots {
+  size_t count;
+  spot *list;
+} spots;
+
+static void gradient(const placido_image *image, int x, int y, double *gx, double *gy) {
+  const float *p = image->data + (size_t)y * image->width_px + x;
+  size_t w = (size_t)image->width_px;
+  *gx = (double)p[1] - p[-1];
+  *gy = (double)p[w] - p[-(ptrdiff_t)w];
+}
+
+/* The gradients of every `step`-th pixel within `window` of (cx, cy) that are stronger than twice
+ * the window's mean. */
+static int collect(spots *out, const placido_image *image, double cx, double cy, double window,
+                   int step, placido_error *err) {
+  int x0 = (int)fmax(1, cx - window), x1 = (int)fmin(image->width_px - 2, cx + window);
+  int y0 = (int)fmax(1, cy - window), y1 = (int)fmin(image->height_px - 2, cy + window);
+  out->count = 0;
+  out->list = NULL;
+  if (x1 <= x0 || y1 <= y0) {
+    return placido_error_set(err, PLACIDO_QUALITY, "the image is too small to hold mires");
+  }
+  size_t most = (size_t)((x1 - x0) / step + 1) * (size_t)((y1 - y0) / step + 1);
+  out->list = placido_memory_new(most, sizeof *out->list, err);
+  if (!out->list) {
+    return PLACIDO_MEMORY;
+  }
+  double sum = 0;
+  for (int y = y0; y <= y1; y += step) {
+    for (int x = x0; x <= x1; x += step) {
+      double gx, gy;
+      gradient(image, x, y, &gx, &gy);
+      double size = hypot(gx, gy);
+      sum += size;
+      if (size > 0) {
+        out->list[out->count++] = (spot){(float)x, (float)y, (float)gx, (float)gy};
+      }
+    }
+  }
+  double limit = 1.5 * sum / (double)most;
+  size_t kept = 0;
+  for (size_t i = 0; i < out->count; i++) {
+    spot s = out->list[i];
+    if (hypot(s.gx, s.gy) > limit) {
+      out->list[kept++] = s;
+    }
+  }
+  out->count = kept;
+  return PLACIDO_OK;
+}
+
+/* Every spot votes for the cells along its line, both ways, as far as `reach`; the cell with the most votes
+ * in its 3×3 neighbourhood wins. A spot's vote at distance d stands for a ring of that radius, of which
+ * 2πd pixels are seen: dividing by nothing lets outer rings count more, which is what is wanted. */
+static int vote(double centre[2], const placido_image *coarse, double reach, placido_error *err) {
+  int w = coarse->width_px, h = coarse->height_px;
+  spots all;
+  unsigned *votes = NULL;
+  int status = collect(&all, coarse, w / 2.0, h / 2.0, fmax(w, h), 1, err);
+  if (!status && all.count < 50) {
+    status = placido_error_set(err, PLACIDO_QUALITY, "no mires: the image has no edges");
+  }
+  if (!status) {
+    votes = placido_memory_new((size_t)w * (size_t)h, sizeof *votes, err);
+    status = votes ? PLACIDO_OK : PLACIDO_MEMORY;
+  }
+  if (status) {
+    goto done;
+  }
+  size_t stride = all.count / 40000 + 1;
+  for (size_t i = 0; i < all.count; i += stride) {
+    spot s = all.list[i];
+    float size = hypotf(s.gx, s.gy), dx = s.gx / size, dy = s.gy / size;
+    for (int d = -(int)reach; d <= (int)reach; d++) {
+      int x = (int)lrintf(s.x + (float)d * dx), y = (int)lrintf(s.y + (float)d * dy);
+      if (abs(d) > 2 && x >= 0 && x < w && y >= 0 && y < h) {
+        votes[(size_t)y * (size_t)w + (size_t)x]++;
+      }
+    }
+  }
+  unsigned best = 0;
+  for (int y = 1; y < h - 1; y++) {
+    for (int x = 1; x < w - 1; x++) {
+      unsigned sum = 0;
+      for (int j = -1; j <= 1; j++) {
+        const unsigned *row = votes + (size_t)(y + j) * (size_t)w + (size_t)x;
+        sum += row[-1] + row[0] + row[1];
+      }
+      if (sum > best) {
+        best = sum;
+        centre[0] = x;
+        centre[1] = y;
+      }
+    }
+  }
+done:
+  placido_memory_free(all.list);
+  placido_memory_free(votes);
+  return status;
+}
+
+/* One pass of the robust intersection: the point nearest to the lines, each weighted by 1/(1+(d/scale)²)
+ * of its present distance d. */
+static void intersect(double centre[2], const spots *all, double scale) {
+  double a = 0, b = 0, c = 0, u = 0, v = 0;
+  for (size_t i = 0; i < all->count; i++) {
+    spot s = all->list[i];
+    double size = hypot(s.gx, s.gy), nx = -s.gy / size, ny = s.gx / size;
+    double d = nx * (s.x - centre[0]) + ny * (s.y - centre[1]);
+    double weight = 1 / (1 + d * d / (scale * scale));
+    a += weight * nx * nx;
+    b += weight * nx * ny;
+    c += weight * ny * ny;
+    u += weight * nx * d;
+    v += weight * ny * d;
+  }
+  double determinant = a * c - b * b;
+  if (determinant > 1e-9 * (a + c) * (a + c)) {
+    centre[0] += (c * u - b * v) / determinant;
+    centre[1] += (a * v - b * u) / determinant;
+  }
+}
+
+int placido_mires_centre(double centre_px[2], const placido_image *plane, double radius_px,
+                         double inner_px, double spacing_px, placido_error *err) {
+  placido_image coarse = {0};
+  int factor = (int)fmax(1, floor(spacing_px / 3));
+  int status = placido_image_new(&coarse, plane->width_px / factor, plane->height_px / factor, 1, err);
+  if (!status) {
+    status = placido_cv_resize(&coarse, plane, PLACIDO_CV_AREA, err);
+  }
+  if (!status) {
+    status = vote(centre_px, &coarse, radius_px / factor, err);
+  }
+  placido_image_free(&coarse);
+  if (status) {
+    return status;
+  }
+  for (int i = 0; i < 2; i++) {
+    centre_px[i] = (centre_px[i] + 0.5) * factor - 0.5;
+  }
+  for (double window = radius_px / 2; window > inner_px / 1.4; window /= 1.5) {
+    spots all;
+    status = collect(&all, plane, centre_px[0], centre_px[1], fmax(window, inner_px),
+                     window > 4 * inner_px ? 2 : 1, err);
+    if (status) {
+      return status;
+    }
+    for (int pass = 0; pass < 5; pass++) {
+      intersect(centre_px, &all, fmax(1.5, window / 20));
+    }
+    placido_memory_free(all.list);
+  }
+  return PLACIDO_OK;
+}

@@ -1,0 +1,177 @@
+/* From a frame to numbered edge points: the steps in their order. */
+#include <placido/mires.h>
+
+#include "base/memory.h"
+#include "reconstruct/mires/centre.h"
+#include "reconstruct/mires/edges.h"
+#include "reconstruct/mires/expect.h"
+#include "reconstruct/mires/gate.h"
+#include "reconstruct/mires/link.h"
+#include "reconstruct/mires/number.h"
+#include "reconstruct/mires/plane.h"
+#include "reconstruct/mires/polar.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* What an ordinary cornea would show: the yardstick for windows and tolerances. */
+typedef struct yardstick {
+  double expected_px[PLACIDO_EDGES_MAX];
+  double inner_px;   /* out to the first few edges */
+  double reach_px;   /* out to the last edge */
+  double spacing_px; /* the usual distance between edges */
+} yardstick;
+
+#define ORDINARY_CORNEA_MM 7.8
+#define FLATTEST 1.6 /* mires reach no further than this times the ordinary reach */
+
+static int yardstick_of(yardstick *out, const placido_instrument *instrument,
+                        placido_error *err) {
+  int n = instrument->edge_count, seen = 0;
+  placido_mires_expect(out->expected_px, instrument, ORDINARY_CORNEA_MM);
+  while (seen < n && isfinite(out->expected_px[seen])) {
+    seen++;
+  }
+  if (seen < 3) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "instrument: only %d of its %d edges can be mirrored by a cornea of "
+                             "%.1f mm, at least 3 are needed",
+                             seen, n, ORDINARY_CORNEA_MM);
+  }
+  out->reach_px = out->expected_px[seen - 1];
+  out->inner_px = out->expected_px[seen < 6 ? seen - 1 : 5];
+  out->spacing_px = (out->reach_px - out->expected_px[0]) / (seen - 1);
+  if (!(out->spacing_px > 1)) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "instrument: its edges would be %.2f px apart in the image, from the "
+                             "innermost out; at least 1 px is needed",
+                             out->spacing_px);
+  }
+  return PLACIDO_OK;
+}
+
+static int by_edge(const void *a, const void *b) {
+  const placido_mire_point *x = a, *y = b;
+  return x->edge != y->edge ? x->edge - y->edge
+                            : (x->meridian_deg > y->meridian_deg) -
+                                  (x->meridian_deg < y->meridian_deg);
+}
+
+/* Copies the numbered crossings out as points. */
+static int collect(placido_mires *mires, const placido_crossings *all, placido_error *err) {
+  mires->points = placido_memory_new(all->count, sizeof *mires->points, err);
+  if (!mires->points) {
+    return PLACIDO_MEMORY;
+  }
+  double sum = 0;
+  for (size_t i = 0; i < all->count; i++) {
+    const placido_crossing *c = &all->list[i];
+    if (c->edge < 0) {
+      continue;
+    }
+    double angle = 2 * M_PI * c->meridian / all->meridians;
+    mires->points[mires->count++] =
+        (placido_mire_point){.edge = c->edge,
+                             .meridian_deg = 360.0 * c->meridian / all->meridians,
+                             .u_px = mires->centre_u_px + c->radius_px * cos(angle),
+                             .v_px = mires->centre_v_px - c->radius_px * sin(angle),
+                             .sigma_px = c->sigma_px,
+                             .used = true,
+                             .residual_px = NAN};
+    sum += c->height;
+  }
+  qsort(mires->points, mires->count, sizeof *mires->points, by_edge);
+  mires->contrast = mires->count ? sum / (double)mires->count : 0;
+  mires->coverage =
+      (double)mires->count / ((double)mires->edge_count * mires->meridian_count);
+  return PLACIDO_OK;
+}
+
+/* Refuses where too few edges were seen: never a pretty map from four mires. */
+static int check_enough(const placido_mires *mires, int edges_min, placido_error *err) {
+  int enough = 0;
+  size_t i = 0;
+  for (int k = 0; k < mires->edge_count; k++) {
+    size_t start = i;
+    while (i < mires->count && mires->points[i].edge == k) {
+      i++;
+    }
+    enough += (i - start) * 5 >= (size_t)mires->meridian_count;
+  }
+  if (enough < edges_min) {
+    return placido_error_set(err, PLACIDO_QUALITY,
+                             "only %d of %d mire edges were seen on at least a fifth of the "
+                             "meridians, %d are needed",
+                             enough, mires->edge_count, edges_min);
+  }
+  return PLACIDO_OK;
+}
+
+static int check_frame(const placido_frame *frame, const placido_instrument *instrument,
+                       placido_error *err) {
+  if (frame->width_px != instrument->width_px || frame->height_px != instrument->height_px) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "the image is %d×%d px, but the instrument \"%s\" says %d×%d px",
+                             frame->width_px, frame->height_px, instrument->name,
+                             instrument->width_px, instrument->height_px);
+  }
+  return PLACIDO_OK;
+}
+
+int placido_mires_find(placido_mires *mires, const placido_frame *frame,
+                       const placido_instrument *instrument,
+                       const placido_mires_options *options, placido_notes *notes,
+                       placido_error *err) {
+  int meridians = options && options->meridians ? options->meridians : 360;
+  int edges_min = options && options->edges_min ? options->edges_min : 5;
+  int threads = options && options->threads ? options->threads : 1;
+  *mires = (placido_mires){.edge_count = instrument->edge_count, .meridian_count = meridians};
+  placido_image plane = {0};
+  placido_polar polar = {0};
+  placido_crossings crossings = {0};
+  placido_chains chains = {0};
+  yardstick yard;
+  double centre[2] = {0};
+  int status = check_frame(frame, instrument, err);
+  if (!status && (meridians < 24 || meridians > 3600)) {
+    status = placido_error_set(err, PLACIDO_INPUT, "%d meridians: 24 to 3600 are possible",
+                               meridians);
+  }
+  if (status || (status = yardstick_of(&yard, instrument, err)) ||
+      (status = placido_mires_plane(&plane, frame, err)) ||
+      (status = placido_mires_centre(centre, &plane, yard.reach_px, yard.inner_px,
+                                     yard.spacing_px, err)) ||
+      (status = placido_polar_new(&polar, &plane, centre, FLATTEST * yard.reach_px, meridians,
+                                  threads, err)) ||
+      (status = placido_crossings_find(&crossings, &polar, yard.spacing_px, yard.reach_px, threads,
+                                       err)) ||
+      (status = placido_chains_link(&chains, &crossings, meridians / 60, err)) ||
+      (status = placido_chains_number(&chains, &crossings, instrument, yard.expected_px, err))) {
+    goto done;
+  }
+  placido_crossings_measure(&crossings, &polar, threads);
+  mires->centre_u_px = centre[0];
+  mires->centre_v_px = centre[1];
+  if ((status = placido_crossings_gate(&crossings, instrument->edge_count, err)) ||
+      (status = collect(mires, &crossings, err)) ||
+      (status = check_enough(mires, edges_min, err))) {
+    goto done;
+  }
+  if (mires->coverage < 0.5) {
+    placido_notes_add(notes, "only %.0f %% of the mires could be measured", 100 * mires->coverage);
+  }
+done:
+  placido_image_free(&plane);
+  placido_polar_free(&polar);
+  placido_crossings_free(&crossings);
+  placido_chains_free(&chains);
+  if (status) {
+    placido_mires_free(mires);
+  }
+  return status;
+}
+
+void placido_mires_free(placido_mires *mires) {
+  placido_memory_free(mires->points);
+  *mires = (placido_mires){0};
+}

@@ -1,0 +1,18 @@
+/* What the residuals say of the edge points' noise. Samples are ordered by edge, then meridian. */
+#ifndef PLACIDO_SOLVE_NOISE_H
+#define PLACIDO_SOLVE_NOISE_H
+
+#include "reconstruct/solve/shape.h"
+
+/* Standard deviation of the part of the residuals that changes over `stride` meridians, the
+ * distance of neighbouring samples: from their differences (von Neumann 1941), robust. A spread
+ * well above it means that the surface cannot follow the mires. `work` holds `count` numbers. */
+double placido_noise_rough(const placido_sample *samples, size_t count,
+                           const placido_mires *mires, int stride, double *work);
+
+/* Factor by which the variance of a smooth surface grows because neighbouring residuals of an
+ * edge resemble each other: 1 + 2 Σ autocorrelation, at least 1. */
+double placido_noise_inflation(const placido_sample *samples, size_t count,
+                               const placido_mires *mires);
+
+#endif

@@ -1,0 +1,35 @@
+/* The unknowns of the fit: a tensor-product B-spline on uniform knots, and what one point of it
+ * depends on. */
+#ifndef PLACIDO_SOLVE_SPLINE_H
+#define PLACIDO_SOLVE_SPLINE_H
+
+#include <stdbool.h>
+
+#define PLACIDO_SPLINE_DEGREE 5
+#define PLACIDO_SPLINE_ORDER (PLACIDO_SPLINE_DEGREE + 1)
+#define PLACIDO_SPLINE_CELL (PLACIDO_SPLINE_ORDER * PLACIDO_SPLINE_ORDER)
+
+/* Square [-half, half]² in cells of knot_mm; coefficients side × side, y outer. A value. */
+typedef struct placido_grid {
+  double half_mm, knot_mm;
+  int cells; /* along a side */
+  int side;  /* coefficients along a side: cells + degree */
+} placido_grid;
+
+placido_grid placido_grid_covering(double radius_mm, double knot_mm);
+
+/* The basis along x and y at a point: the first of PLACIDO_SPLINE_ORDER coefficients each way, and values,
+ * first and second derivatives. */
+typedef struct placido_basis {
+  int column, row;
+  double x[3][PLACIDO_SPLINE_ORDER], y[3][PLACIDO_SPLINE_ORDER];
+} placido_basis;
+
+/* Returns false outside the square. */
+bool placido_grid_basis(const placido_grid *grid, double x_mm, double y_mm, placido_basis *basis);
+
+/* Value, d/dx, d/dy, d²/dx², d²/dxdy, d²/dy² of the spline with these coefficients. */
+void placido_grid_value(const placido_grid *grid, const double *coefficients,
+                        const placido_basis *basis, double out[6]);
+
+#endif

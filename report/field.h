@@ -1,0 +1,21 @@
+/* A map's grid, interpolated to the fine lattice that a picture is coloured from. */
+#ifndef PLACIDO_REPORT_FIELD_H
+#define PLACIDO_REPORT_FIELD_H
+
+#include <placido/map.h>
+
+/* A square of size * size samples over the grid's whole square, rows from the top (largest y)
+ * down; NaN where data do not support a value. */
+typedef struct placido_field {
+  int size;
+  float *values;
+} placido_field;
+
+/* Interpolates `values`, one of the arrays of `maps`: bicubically (Catmull and Rom 1974) inside,
+ * from the supported corners alone at the rim. Free with placido_field_free. PLACIDO_OK,
+ * PLACIDO_MEMORY. */
+int placido_field_new(placido_field *field, const placido_maps *maps, const double *values,
+                      int size, placido_error *err);
+void placido_field_free(placido_field *field);
+
+#endif

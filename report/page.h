@@ -1,0 +1,21 @@
+/* The sections of report.html. Each writes itself whole, heading and all, or nothing where the
+ * report has nothing for it; those that embed pictures may fail. */
+#ifndef PLACIDO_REPORT_PAGE_H
+#define PLACIDO_REPORT_PAGE_H
+
+#include "report/report.h"
+
+#include <stdio.h>
+
+/* The style sheet: readable on a screen, and on A4. */
+extern const char placido_page_style[];
+
+void placido_page_head(FILE *stream, const placido_report *report);
+void placido_page_warnings(FILE *stream, const placido_report *report);
+void placido_page_indices(FILE *stream, const placido_report *report);
+int placido_page_capture(FILE *stream, const placido_report *report, placido_error *err);
+int placido_page_maps(FILE *stream, const placido_report *report, placido_error *err);
+int placido_page_pupils(FILE *stream, const placido_report *report, placido_error *err);
+void placido_page_stages(FILE *stream, const placido_report *report);
+
+#endif

@@ -1,0 +1,92 @@
+/* The sections of report.html about what the eye sees, one for every pupil. */
+#include "report/page.h"
+
+#include "report/correction.h"
+#include "report/html.h"
+#include "report/number.h"
+
+static void write_rays(FILE *stream, const placido_psf *psf) {
+  char text[160], share[PLACIDO_NUMBER_SIZE];
+  placido_number_write(share, sizeof share,
+                       100 * (double)psf->rays_landed / (double)psf->rays_entered, 2);
+  snprintf(text, sizeof text, "%ld of %ld (%s %%); %ld missed the surface", psf->rays_landed,
+           psf->rays_entered, share, psf->rays_missed);
+  placido_html_row(stream, "Rays that landed", text);
+}
+
+static void write_figures(FILE *stream, const placido_psf *psf) {
+  char text[160], number[PLACIDO_NUMBER_SIZE], correction[PLACIDO_CORRECTION_SIZE];
+  fputs("<table>\n<tbody>\n", stream);
+  placido_number_significant(number, sizeof number, psf->strehl_g, 3);
+  placido_html_row(stream, "Geometric Strehl ratio", number);
+  write_rays(stream, psf);
+  placido_correction_write(correction, &psf->correction);
+  placido_html_row(stream, "Correction", correction);
+  snprintf(text, sizeof text, "%.3f mm behind the cornea's point on the axis, index %g",
+           psf->retina_mm, psf->index);
+  placido_html_row(stream, "Retina", text);
+  snprintf(text, sizeof text, "%g′ × %g′ (%.3g µm on the retina), %d × %d of them",
+           psf->bucket_arcmin, psf->bucket_arcmin, psf->bucket_um, psf->n, psf->n);
+  placido_html_row(stream, "Buckets", text);
+  fputs("</tbody>\n</table>\n", stream);
+}
+
+static int write_psf(FILE *stream, const placido_report *report, const placido_report_pupil *pupil,
+                     placido_error *err) {
+  if (pupil->psf_picture == NULL) {
+    return PLACIDO_OK;
+  }
+  fputs("<figure>\n", stream);
+  int status = placido_html_picture(stream, NULL, report->directory, pupil->psf_picture,
+                                    "Point spread function as a height field and as a plan", err);
+  fputs(
+      "<figcaption>Point spread function: what becomes of a point of light, as the patient sees "
+      "it.</figcaption>\n</figure>\n",
+      stream);
+  return status;
+}
+
+static int write_scene(FILE *stream, const placido_report *report,
+                       const placido_report_pupil *pupil, size_t k, placido_error *err) {
+  char alternative[256];
+  placido_html_size size;
+  snprintf(alternative, sizeof alternative, "%s as the patient sees it", pupil->scene_names[k]);
+  fputs("<figure>\n", stream);
+  int status = placido_html_picture(stream, &size, report->directory, pupil->scene_pictures[k],
+                                    alternative, err);
+  fputs("<figcaption>", stream);
+  placido_html_text(stream, pupil->scene_names[k]);
+  if (pupil->scene_arcmin_per_px > 0) {
+    double degrees_per_px = pupil->scene_arcmin_per_px / 60;
+    placido_html_print(stream, ": %g′ per pixel, %.3g° × %.3g°", pupil->scene_arcmin_per_px,
+                       size.width_px * degrees_per_px, size.height_px * degrees_per_px);
+  }
+  fputs("</figcaption>\n</figure>\n", stream);
+  return status;
+}
+
+static int write_pupil(FILE *stream, const placido_report *report,
+                       const placido_report_pupil *pupil, placido_error *err) {
+  fputs("<section>\n<h2>", stream);
+  placido_html_print(stream, "Vision with a pupil of %g mm", pupil->psf->pupil_mm);
+  fputs("</h2>\n", stream);
+  int status = write_psf(stream, report, pupil, err);
+  write_figures(stream, pupil->psf);
+  if (pupil->scene_count > 0) {
+    fprintf(stream, "<div class=\"%s\">\n", pupil->scene_count > 1 ? "pair scenes" : "scenes");
+    for (size_t k = 0; status == PLACIDO_OK && k < pupil->scene_count; k++) {
+      status = write_scene(stream, report, pupil, k, err);
+    }
+    fputs("</div>\n", stream);
+  }
+  fputs("</section>\n", stream);
+  return status;
+}
+
+int placido_page_pupils(FILE *stream, const placido_report *report, placido_error *err) {
+  int status = PLACIDO_OK;
+  for (size_t k = 0; status == PLACIDO_OK && k < report->pupil_count; k++) {
+    status = write_pupil(stream, report, &report->pupils[k], err);
+  }
+  return status;
+}

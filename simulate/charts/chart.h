@@ -1,0 +1,47 @@
+/* Generated charts: black on white in minutes of arc, drawn at any scale by area coverage. */
+#ifndef PLACIDO_SIMULATE_CHART_H
+#define PLACIDO_SIMULATE_CHART_H
+
+#include <placido/image.h>
+#include <placido/status.h>
+#include <stddef.h>
+
+/* One chart. Its margin is wider than half of the default PSF, so that the dark beyond the rim
+ * stays off the figures. */
+typedef struct placido_chart {
+  const char *name, *help;
+  double width_arcmin, height_arcmin;
+  void (*draw)(placido_image *image, double arcmin_per_px);
+} placido_chart;
+
+/* The charts that this build draws, `*count` rows. */
+const placido_chart *placido_chart_table(size_t *count);
+
+/* The chart called `name`, NULL where there is none. */
+const placido_chart *placido_chart_find(const char *name);
+
+/* Draws a chart, 1 plane, white 1 and black 0. Free with placido_image_free. Returns PLACIDO_OK,
+ * PLACIDO_INPUT (arcmin_per_px not within 0.05 to 4), PLACIDO_MEMORY. */
+int placido_chart_new(placido_image *image, const placido_chart *chart, double arcmin_per_px,
+                      placido_error *err);
+
+/* A line of tumbling E's, all of one size. */
+typedef struct placido_e_line {
+  int denominator;                    /* of the Snellen fraction 20/... */
+  double height_arcmin;               /* 5' at 20/20 */
+  double left_arcmin, top_arcmin;     /* of the first E; x to the right, y downwards */
+  double pitch_arcmin;                /* from one E to the next */
+  char directions[5];                 /* where the arms point: r, u, l, d */
+} placido_e_line;
+
+/* The lines of the tumbling-E chart, largest first, `*count` of them. */
+const placido_e_line *placido_e_lines(size_t *count);
+
+void placido_draw_tumbling_e(placido_image *image, double arcmin_per_px);
+void placido_draw_fan(placido_image *image, double arcmin_per_px);
+
+/* Radial lines 15 degrees apart and 1' wide around (x, y), from 5' to radius_arcmin. */
+void placido_draw_spokes(placido_image *image, double arcmin_per_px, double x_arcmin,
+                         double y_arcmin, double radius_arcmin);
+
+#endif

@@ -1,0 +1,64 @@
+/* Tumbling-E chart: 20/160 to 20/10 in four directions, with an astigmatic fan.
+ *
+ * The E is five units high and wide, its stroke and gaps one unit; 20/20 is 5' high (Snellen). */
+#include "simulate/charts/chart.h"
+#include "simulate/charts/paint.h"
+
+#include <stdio.h>
+
+/* Heights double from line to line; all of it falls on whole pixels at half a minute. */
+static const placido_e_line lines[] = {
+  {160, 40, 110, 66, 55, "rdlu"}, {80, 20, 110, 122, 32, "ulrd"}, {40, 10, 110, 156, 18, "dlur"},
+  {20, 5, 110, 178, 10, "lrdu"},  {10, 2.5, 110, 194, 6, "udrl"},
+};
+
+const placido_e_line *placido_e_lines(size_t *count) {
+  *count = sizeof lines / sizeof *lines;
+  return lines;
+}
+
+/* In units of the stroke, arms to the right: the back, then three arms. */
+static const struct {
+  double left, top, width, height;
+} strokes[] = {{0, 0, 1, 5}, {1, 0, 4, 1}, {1, 2, 4, 1}, {1, 4, 4, 1}};
+
+static void draw_e(placido_image *image, double arcmin_per_px, double left, double top,
+                   double height, char direction) {
+  double unit = height / 5;
+  for (size_t i = 0; i < sizeof strokes / sizeof *strokes; i++) {
+    double x = strokes[i].left, y = strokes[i].top, w = strokes[i].width, h = strokes[i].height;
+    if (direction == 'l' || direction == 'u') {
+      x = 5 - x - w;
+    }
+    if (direction == 'u' || direction == 'd') {
+      double swapped = x;
+      x = y;
+      y = swapped;
+      swapped = w;
+      w = h;
+      h = swapped;
+    }
+    placido_paint_rectangle(image, arcmin_per_px, left + x * unit, top + y * unit, w * unit,
+                            h * unit);
+  }
+}
+
+static void draw_line(placido_image *image, double arcmin_per_px, const placido_e_line *line) {
+  const double cell_arcmin = 1.5, label_left = 66;
+  char label[16];
+  snprintf(label, sizeof label, "20/%d", line->denominator);
+  placido_paint_text(image, arcmin_per_px, label_left,
+                     line->top_arcmin + line->height_arcmin / 2 - 2.5 * cell_arcmin, cell_arcmin,
+                     label);
+  for (int i = 0; line->directions[i] != '\0'; i++) {
+    draw_e(image, arcmin_per_px, line->left_arcmin + i * line->pitch_arcmin, line->top_arcmin,
+           line->height_arcmin, line->directions[i]);
+  }
+}
+
+void placido_draw_tumbling_e(placido_image *image, double arcmin_per_px) {
+  for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+    draw_line(image, arcmin_per_px, &lines[i]);
+  }
+  placido_draw_spokes(image, arcmin_per_px, 278, 190, 40);
+}

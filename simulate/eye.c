@@ -1,0 +1,127 @@
+/* The eye behind the cornea: defaults, ranges, and the angular scale of its retina.
+ *
+ * A single refracting surface of radius R sends the ray through its centre of curvature straight
+ * on, so a retinal distance t at L behind the apex is seen under t / (L - R). A fixed size in
+ * micrometres is right for one eye only: 2.5 um is half a minute where L - R is 17.19 mm, and a
+ * cornea of 7.8 mm alone has 23.1 mm. */
+#include "simulate/eye.h"
+
+#include <math.h>
+
+static const double default_index = 1.3375;
+static const double default_bucket_arcmin = 0.5;
+static const double seed_bucket_um = 2.5; /* D. Garcia, CWhatUC: "half a minute" */
+
+static int check(double value, double min, double max, const char *name,
+                 placido_error *err) {
+  if (value >= min && value <= max) {
+    return PLACIDO_OK;
+  }
+  return placido_error_set(err, PLACIDO_INPUT, "%s is %g, expected %g to %g", name, value, min,
+                           max);
+}
+
+int placido_eye_settle(placido_eye *settled, const placido_eye *eye, placido_error *err) {
+  *settled = *eye;
+  if (settled->index == 0) {
+    settled->index = default_index;
+  }
+  struct { double value, min, max; const char *name; } ranges[] = {
+    {settled->pupil_mm, 0.1, 12, "the pupil's diameter (mm)"},
+    {settled->pupil_x_mm, -6, 6, "the pupil's x (mm)"},
+    {settled->pupil_y_mm, -6, 6, "the pupil's y (mm)"},
+    {settled->index, 1.01, 2, "the refractive index"},
+    {settled->correction.m_D, -40, 40, "the correction's mean sphere (D)"},
+    {settled->correction.j0_D, -20, 20, "the correction's J0 (D)"},
+    {settled->correction.j45_D, -20, 20, "the correction's J45 (D)"},
+  };
+  for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++) {
+    int status = check(ranges[i].value, ranges[i].min, ranges[i].max, ranges[i].name, err);
+    if (status != PLACIDO_OK) {
+      return status;
+    }
+  }
+  if (settled->retina_mm == 0) {
+    return PLACIDO_OK;
+  }
+  return check(settled->retina_mm, 5, 200, "the retina's distance (mm)", err);
+}
+
+static int default_to(int value, int otherwise) { return value == 0 ? otherwise : value; }
+
+int placido_optics_settle(placido_optics *settled, const placido_optics *optics,
+                          placido_error *err) {
+  *settled = *optics;
+  settled->samples = default_to(settled->samples, 400);
+  settled->buckets = default_to(settled->buckets, 257);
+  settled->threads = default_to(settled->threads, 1);
+  if (settled->bucket_arcmin == 0) {
+    settled->bucket_arcmin = default_bucket_arcmin;
+  }
+  if (settled->buckets % 2 == 0) {
+    return placido_error_set(err, PLACIDO_INPUT, "%d buckets a side, expected an odd number",
+                             settled->buckets);
+  }
+  if (settled->cwhatuc && settled->bucket_arcmin != default_bucket_arcmin) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "the seed's buckets are called %g arcmin, not %g: leave one out",
+                             default_bucket_arcmin, settled->bucket_arcmin);
+  }
+  struct { double value, min, max; const char *name; } ranges[] = {
+    {settled->samples, 2, 4000, "samples across the pupil"},
+    {settled->buckets, 3, 4095, "buckets a side"},
+    {settled->bucket_arcmin, 0.01, 60, "the bucket (arcmin)"},
+    {settled->threads, 1, 256, "threads"},
+  };
+  for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++) {
+    int status = check(ranges[i].value, ranges[i].min, ranges[i].max, ranges[i].name, err);
+    if (status != PLACIDO_OK) {
+      return status;
+    }
+  }
+  return PLACIDO_OK;
+}
+
+/* Mean curvature of a surface patch (do Carmo, Differential Geometry, 3-3), positive for a dome. */
+static double mean_curvature(const placido_jet *jet) {
+  double slope2 = 1 + jet->sx * jet->sx + jet->sy * jet->sy;
+  double numerator = (1 + jet->sx * jet->sx) * jet->syy - 2 * jet->sx * jet->sy * jet->sxy +
+                     (1 + jet->sy * jet->sy) * jet->sxx;
+  return numerator / (2 * slope2 * sqrt(slope2));
+}
+
+int placido_apex_find(placido_apex *apex, const placido_surface *surface, const placido_eye *eye,
+                      placido_error *err) {
+  *apex = (placido_apex){0};
+  placido_jet axis, centre;
+  if (!placido_surface_at(surface, 0, 0, &axis)) {
+    return placido_error_set(err, PLACIDO_QUALITY,
+                             "the surface is not defined on the axis, from where the retina's "
+                             "distance is measured");
+  }
+  if (!placido_surface_at(surface, eye->pupil_x_mm, eye->pupil_y_mm, &centre)) {
+    return placido_error_set(err, PLACIDO_QUALITY,
+                             "the surface is not defined at the pupil's centre (%g, %g mm)",
+                             eye->pupil_x_mm, eye->pupil_y_mm);
+  }
+  double curvature = mean_curvature(&centre);
+  apex->axis_sag_mm = axis.sag;
+  apex->radius_mm = curvature > 0 ? 1 / curvature : INFINITY;
+  return PLACIDO_OK;
+}
+
+double placido_apex_nodal_mm(const placido_apex *apex, double index, double retina_mm) {
+  if (apex->radius_mm > retina_mm / 2) {
+    return retina_mm / index;
+  }
+  return retina_mm - apex->radius_mm;
+}
+
+double placido_apex_bucket_um(const placido_apex *apex, const placido_optics *optics, double index,
+                              double retina_mm) {
+  if (optics->cwhatuc) {
+    return seed_bucket_um;
+  }
+  double nodal_um = 1000 * placido_apex_nodal_mm(apex, index, retina_mm);
+  return nodal_um * optics->bucket_arcmin * PLACIDO_ARCMIN_RAD;
+}

@@ -1,0 +1,110 @@
+/* psf.csv and psf.json: a point spread function on disk. */
+#include "base/file.h"
+#include "base/json.h"
+#include "simulate/effects/left_out.h"
+
+#include <placido/simulate.h>
+
+static void write_row(FILE *stream, const double *values, int n) {
+  for (int i = 0; i < n; i++) {
+    fprintf(stream, "%.17g%c", values[i], i == n - 1 ? '\n' : ',');
+  }
+}
+
+int placido_psf_save_csv(const placido_psf *psf, const char *path, placido_error *err) {
+  placido_file file;
+  int status = placido_file_create(&file, path, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  for (int row = 0; row < psf->n; row++) {
+    write_row(file.stream, &psf->values[(size_t)row * (size_t)psf->n], psf->n);
+  }
+  return placido_file_commit(&file, err);
+}
+
+/* Takes both references; false where memory is out. */
+static bool put(json_t *object, const char *key, json_t *value) {
+  return json_object_set_new(object, key, value) == 0;
+}
+
+static bool put_real(json_t *object, const char *key, double value) {
+  return put(object, key, placido_json_real(value));
+}
+
+static json_t *correction_json(const placido_correction *correction) {
+  double sphere_D, cylinder_D, axis_deg;
+  json_t *object = json_object();
+  placido_correction_clinical(correction, &sphere_D, &cylinder_D, &axis_deg);
+  if (put_real(object, "sphere_D", sphere_D) && put_real(object, "cylinder_D", cylinder_D) &&
+      put_real(object, "axis_deg", axis_deg)) {
+    return object;
+  }
+  json_decref(object);
+  return NULL;
+}
+
+static json_t *left_out_json(const placido_psf *psf) {
+  size_t count;
+  const placido_left_out *effects = placido_left_out_list(&count);
+  json_t *list = json_array();
+  for (size_t i = 0; i < count; i++) {
+    json_t *object = json_object();
+    bool whole = put(object, "name", json_string(effects[i].name)) &&
+                 put(object, "why", json_string(effects[i].why)) &&
+                 put_real(object, "estimate", effects[i].estimate(psf)) &&
+                 put(object, "unit", json_string(effects[i].unit));
+    if (json_array_append_new(list, object) != 0 || !whole) {
+      json_decref(list);
+      return NULL;
+    }
+  }
+  return list;
+}
+
+static json_t *effects_json(const placido_psf *psf) {
+  json_t *object = json_object(), *ran = json_array();
+  bool worn = psf->correction.m_D != 0 || psf->correction.j0_D != 0 || psf->correction.j45_D != 0;
+  bool whole = json_array_append_new(ran, json_string("corneal-refraction")) == 0 &&
+               (!worn || json_array_append_new(ran, json_string("thin-lens-correction")) == 0);
+  whole = put(object, "ran", ran) && put(object, "left_out", left_out_json(psf)) && whole;
+  if (whole) {
+    return object;
+  }
+  json_decref(object);
+  return NULL;
+}
+
+static json_t *psf_json(const placido_psf *psf, double seconds) {
+  json_t *root = json_object();
+  bool whole = put(root, "format", json_string("placido-psf/1")) &&
+               put_real(root, "pupil_mm", psf->pupil_mm) &&
+               put(root, "rays", json_integer(psf->rays)) &&
+               put(root, "rays_entered", json_integer(psf->rays_entered)) &&
+               put(root, "rays_landed", json_integer(psf->rays_landed)) &&
+               put(root, "rays_missed", json_integer(psf->rays_missed)) &&
+               put_real(root, "strehl_g", psf->strehl_g) &&
+               put_real(root, "rms_arcmin", placido_psf_rms_arcmin(psf)) &&
+               put_real(root, "bucket_arcmin", psf->bucket_arcmin) &&
+               put_real(root, "bucket_um", psf->bucket_um) &&
+               put(root, "correction", correction_json(&psf->correction)) &&
+               put_real(root, "retina_mm", psf->retina_mm) &&
+               put_real(root, "refractive_index", psf->index) &&
+               put(root, "effects", effects_json(psf)) && put_real(root, "seconds", seconds);
+  if (whole) {
+    return root;
+  }
+  json_decref(root);
+  return NULL;
+}
+
+int placido_psf_save_json(const placido_psf *psf, double seconds, const char *path,
+                          placido_error *err) {
+  json_t *root = psf_json(psf, seconds);
+  if (root == NULL) {
+    return placido_error_set(err, PLACIDO_MEMORY, "out of memory while writing %s", path);
+  }
+  int status = placido_json_save(root, path, err);
+  json_decref(root);
+  return status;
+}

@@ -1,0 +1,195 @@
+/* Choosing among a device's frames: the best one, the one asked for, and what happens where frames
+ * are damaged. The device is a script: this file defines the device's functions itself. */
+#include "acquire/acquire.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+#include <string.h>
+
+enum { SIDE = 64, FRAMES_MAX = 8 };
+
+/* What one call of next gives: rings of a contrast, flags, or a status. */
+struct scripted_frame {
+  int contrast; /* grey levels */
+  uint32_t flags;
+  int status;
+};
+
+struct placido_device {
+  placido_device_info info;
+  struct scripted_frame frames[FRAMES_MAX];
+  int count, next;
+  bool started;
+};
+
+const placido_device_info *placido_device_info_get(const placido_device *device) {
+  return &device->info;
+}
+
+int placido_device_start(placido_device *device, placido_error *err) {
+  (void)err;
+  device->started = true;
+  device->next = 0;
+  return PLACIDO_OK;
+}
+
+int placido_device_stop(placido_device *device, placido_error *err) {
+  (void)err;
+  device->started = false;
+  return PLACIDO_OK;
+}
+
+/* Square rings: slopes along x or y, which is radial enough for a small picture. */
+static void draw(placido_frame *frame, int contrast) {
+  for (int y = 0; y < SIDE; y++) {
+    for (int x = 0; x < SIDE; x++) {
+      const int dx = x < SIDE / 2 ? SIDE / 2 - x : x - SIDE / 2;
+      const int dy = y < SIDE / 2 ? SIDE / 2 - y : y - SIDE / 2;
+      const int ring = (dx > dy ? dx : dy) / 4 % 2;
+      frame->data[(size_t)y * frame->stride_bytes + (size_t)x] =
+          (uint8_t)(100 + (ring ? contrast : 0));
+    }
+  }
+}
+
+int placido_device_next(placido_device *device, placido_frame *frame, int timeout_ms,
+                        placido_error *err) {
+  (void)timeout_ms;
+  assert_true(device->started);
+  if (device->next == device->count) {
+    return PLACIDO_END;
+  }
+  const struct scripted_frame *script = &device->frames[device->next++];
+  if (script->status != PLACIDO_OK) {
+    return placido_error_set(err, script->status, "scripted");
+  }
+  assert_int_equal(placido_frame_resize(frame, SIDE, SIDE, PLACIDO_MONO8, err), PLACIDO_OK);
+  frame->flags = script->flags;
+  frame->seq = (uint64_t)script->contrast; /* so that a test can tell which one it got */
+  draw(frame, script->contrast);
+  return PLACIDO_OK;
+}
+
+/* Chooses and says which contrast was taken; -1 where nothing was. */
+static int choose(placido_device *device, long wanted, placido_choice *choice,
+                  placido_notes *notes, int *status, placido_error *err) {
+  placido_frame frame = {0};
+  *status = placido_frame_choose(&frame, choice, device, wanted, notes, err);
+  const int taken = frame.data ? (int)frame.seq : -1;
+  assert_false(device->started);
+  placido_frame_free(&frame);
+  return taken;
+}
+
+static void test_best_wins(void **state) {
+  (void)state;
+  placido_device device = {.frames = {{40, 0, 0}, {90, 0, 0}, {60, 0, 0}}, .count = 3};
+  placido_choice choice;
+  int status;
+  assert_int_equal(choose(&device, -1, &choice, NULL, &status, NULL), 90);
+  assert_int_equal(status, PLACIDO_OK);
+  assert_int_equal(choice.index, 1);
+  assert_int_equal(choice.frames, 3);
+  assert_true(choice.score > 0.0);
+}
+
+static void test_first_of_equals_wins(void **state) {
+  (void)state;
+  placido_device device = {.frames = {{40, 0, 0}, {90, 0, 0}, {90, 0, 0}}, .count = 3};
+  placido_choice choice;
+  int status;
+  choose(&device, -1, &choice, NULL, &status, NULL);
+  assert_int_equal(choice.index, 1);
+}
+
+static void test_asked_for_is_taken(void **state) {
+  (void)state;
+  placido_device device = {.frames = {{40, 0, 0}, {90, 0, 0}, {60, 0, 0}}, .count = 3};
+  placido_choice choice;
+  int status;
+  assert_int_equal(choose(&device, 2, &choice, NULL, &status, NULL), 60);
+  assert_int_equal(choice.index, 2);
+}
+
+/* Frames beyond the end and undecodable ones: told with the number of what is there. */
+static void test_asked_for_is_not_there(void **state) {
+  (void)state;
+  placido_device device = {.frames = {{40, 0, 0}, {0, 0, PLACIDO_INPUT}}, .count = 2};
+  placido_choice choice;
+  placido_error err = {0};
+  int status;
+  assert_int_equal(choose(&device, 5, &choice, NULL, &status, &err), -1);
+  assert_int_equal(status, PLACIDO_INPUT);
+  assert_non_null(strstr(err.text, "frame 5"));
+  assert_int_equal(choose(&device, 1, &choice, NULL, &status, &err), -1);
+  assert_int_equal(status, PLACIDO_INPUT);
+}
+
+/* A whole frame goes before a damaged one of more contrast; what is damaged is told. */
+static void test_damaged_loses(void **state) {
+  (void)state;
+  placido_device device = {
+      .frames = {{90, PLACIDO_FRAME_TRUNCATED, 0}, {40, 0, 0}, {95, PLACIDO_FRAME_CORRUPT, 0},
+                 {0, 0, PLACIDO_INPUT}},
+      .count = 4};
+  placido_notes notes = {0};
+  placido_choice choice;
+  int status;
+  assert_int_equal(choose(&device, -1, &choice, &notes, &status, NULL), 40);
+  assert_int_equal(status, PLACIDO_OK);
+  assert_int_equal(choice.damaged, 3);
+  assert_int_equal(choice.frames, 4);
+  assert_int_equal(notes.count, 1);
+  placido_notes_clear(&notes);
+}
+
+static void test_only_damaged_is_taken_and_told(void **state) {
+  (void)state;
+  placido_device device = {
+      .frames = {{40, PLACIDO_FRAME_TRUNCATED, 0}, {60, PLACIDO_FRAME_TRUNCATED, 0}}, .count = 2};
+  placido_notes notes = {0};
+  placido_choice choice;
+  int status;
+  assert_int_equal(choose(&device, -1, &choice, &notes, &status, NULL), 60);
+  assert_non_null(strstr(notes.lines[0], "the one examined among them"));
+  placido_notes_clear(&notes);
+}
+
+static void test_nothing_there(void **state) {
+  (void)state;
+  placido_device device = {.count = 0};
+  placido_choice choice;
+  placido_error err = {0};
+  int status;
+  assert_int_equal(choose(&device, -1, &choice, NULL, &status, &err), -1);
+  assert_int_equal(status, PLACIDO_INPUT);
+}
+
+/* A device that breaks ends the search with its own status and words. */
+static void test_device_error_is_passed_on(void **state) {
+  (void)state;
+  placido_device device = {.frames = {{40, 0, 0}, {0, 0, PLACIDO_TIMEOUT}}, .count = 2};
+  placido_choice choice;
+  placido_error err = {0};
+  int status;
+  assert_int_equal(choose(&device, -1, &choice, NULL, &status, &err), -1);
+  assert_int_equal(status, PLACIDO_TIMEOUT);
+  assert_string_equal(err.text, "scripted");
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_best_wins),
+      cmocka_unit_test(test_first_of_equals_wins),
+      cmocka_unit_test(test_asked_for_is_taken),
+      cmocka_unit_test(test_asked_for_is_not_there),
+      cmocka_unit_test(test_damaged_loses),
+      cmocka_unit_test(test_only_damaged_is_taken_and_told),
+      cmocka_unit_test(test_nothing_there),
+      cmocka_unit_test(test_device_error_is_passed_on),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

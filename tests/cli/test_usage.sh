@@ -1,0 +1,61 @@
+#!/bin/sh
+# Help, version, and command lines that are wrong.
+. "$(dirname "$0")/harness.sh"
+
+succeed --version
+says '^placido [0-9]+\.[0-9]+' out.txt
+succeed help
+says '^  exam ' out.txt
+for command in exam reconstruct simulate phantom devices; do
+  succeed help $command
+  says "^usage: placido $command " out.txt
+  says '^examples' out.txt
+  cp out.txt once.txt
+  succeed $command --help
+  cmp -s once.txt out.txt || fail "$command --help is not help $command"
+  # The manual page knows every option of the help.
+  for option in $(grep -oE '^  .{4}--[a-z-]+' out.txt | sed 's/.*--//'); do
+    says "-$option" "$MANUAL/placido-$command.1"
+  done
+done
+succeed devices
+says 'replay' out.txt
+succeed devices --json
+json out.txt - drivers devices command exit_code
+
+refuse 2 'no command "foo"' foo
+refuse 2 'no command "foo"' help foo
+refuse 2 'INPUT .*is missing' exam -o out
+refuse 2 '-o' exam input.png
+refuse 2 'unknown or ambiguous option --foo' exam input.png --foo -o out
+refuse 2 'unknown option -x' exam input.png -x -o out
+refuse 2 '--axis-z needs a value: Z' exam input.png -o out --axis-z
+refuse 2 '--json takes no value' exam input.png -o out --json=1
+refuse 2 '--axis-z abc: a number' exam input.png -o out --axis-z abc
+refuse 2 '--axis-z nan: a number' exam input.png -o out --axis-z nan
+refuse 2 '--axis-z 1,2,3' exam input.png -o out --axis-z 1,2,3
+refuse 2 'SIGMA is not negative' exam input.png -o out --axis-z 0,-1
+refuse 2 '--pupils 20: it ranges from 0.1 to 12' exam input.png -o out --pupils 2,20
+refuse 2 '--pupils: 2 stands twice' exam input.png -o out --pupils 2,4,2
+refuse 2 '--meridians 90.5: a whole number' exam input.png -o out --meridians 90.5
+refuse 2 '"second.png" is one too many' exam input.png second.png -o out
+refuse 2 '--correction 1,2' simulate surface.json -o out --correction 1,2
+refuse 2 '--eye is missing' phantom --instrument cone24 -o out.png
+refuse 2 '--instrument is missing' phantom --eye sphere -o out.png
+refuse 2 'FILE.png or NAME.session' phantom --eye sphere --instrument cone24 -o out.tiff
+refuse 3 'no built-in eye is called "square"' phantom --eye square --instrument cone24 -o out.png
+refuse 3 'square' phantom --eye sphere --instrument square -o out.png
+
+# With --json the reason is on standard output as well, as an object.
+status=0
+"$PLACIDO" exam --json -o out > out.txt 2> err.txt || status=$?
+[ "$status" -eq 2 ] || fail "--json: exit $status"
+json out.txt - error exit_code
+
+# What cannot be written to standard output is an error.
+if [ -w /dev/full ]; then
+  status=0
+  "$PLACIDO" devices > /dev/full 2> err.txt || status=$?
+  [ "$status" -eq 1 ] || fail "a full disk goes unnoticed"
+fi
+finish

@@ -1,0 +1,150 @@
+/* Charts: sizes of the letters, exact coverage, what this build does not draw. */
+#include "simulate/charts/chart.h"
+#include "simulate/charts/paint.h"
+#include "tests/surface/near.h"
+
+#include <placido/simulate.h>
+
+#include <math.h>
+#include <string.h>
+
+static placido_image drawn(const char *name, double arcmin_per_px) {
+  placido_image image;
+  const placido_chart *chart = placido_chart_find(name);
+  assert_non_null(chart);
+  assert_int_equal(placido_chart_new(&image, chart, arcmin_per_px, NULL), PLACIDO_OK);
+  return image;
+}
+
+static float at(const placido_image *image, double x_px, double y_px) {
+  return image->data[(size_t)y_px * (size_t)image->width_px + (size_t)x_px];
+}
+
+/* A letter that subtends 5' is 10 px high at half a minute, its strokes 2 px. */
+static void test_20_20_e_is_10_px_high_at_half_a_minute(void **state) {
+  (void)state;
+  placido_image image = drawn("tumbling-e", 0.5);
+  size_t count;
+  const placido_e_line *lines = placido_e_lines(&count), *line = NULL;
+  for (size_t i = 0; i < count; i++) {
+    line = lines[i].denominator == 20 ? &lines[i] : line;
+  }
+  assert_non_null(line);
+  int left = (int)(line->left_arcmin * 2), top = (int)(line->top_arcmin * 2);
+  assert_int_equal(line->directions[0], 'l'); /* its back is on the right: columns 8 and 9 */
+  int black = 0;
+  for (int y = top - 5; y < top + 15; y++) {
+    black += at(&image, left + 9, y) == 0;
+    assert_true(at(&image, left + 9, y) == 0 || at(&image, left + 9, y) == 1);
+  }
+  assert_int_equal(black, 10);
+  const char *arms = "##..##..##";
+  for (int y = 0; y < 10; y++) {
+    assert_true(at(&image, left, top + y) == (arms[y] == '#' ? 0.0f : 1.0f));
+  }
+  placido_image_free(&image);
+}
+
+/* Each line's denominators are heights: 5' × denominator / 20. */
+static void test_lines_run_from_20_160_to_20_10(void **state) {
+  (void)state;
+  size_t count;
+  const placido_e_line *lines = placido_e_lines(&count);
+  assert_int_equal(count, 5);
+  assert_int_equal(lines[0].denominator, 160);
+  assert_int_equal(lines[4].denominator, 10);
+  for (size_t i = 0; i < count; i++) {
+    assert_true(lines[i].height_arcmin == lines[i].denominator * 0.25);
+    for (const char *all = "rlud"; *all != '\0'; all++) {
+      assert_non_null(strchr(lines[i].directions, *all));
+    }
+  }
+}
+
+/* The ink of an E is 17 of its 25 units, whatever the scale; 0.37' falls on no whole pixels. */
+static void test_coverage_is_exact_at_any_scale(void **state) {
+  (void)state;
+  const double scales[] = {0.5, 0.37, 1.1};
+  double ink[3];
+  for (int k = 0; k < 3; k++) {
+    placido_image image = drawn("tumbling-e", scales[k]);
+    ink[k] = 0;
+    for (int i = 0; i < image.width_px * image.height_px; i++) {
+      assert_true(image.data[i] >= 0 && image.data[i] <= 1);
+      ink[k] += (1 - (double)image.data[i]) * scales[k] * scales[k];
+    }
+    placido_image_free(&image);
+  }
+  assert_near(ink[1] / ink[0], 1, 1e-6); /* samples are single precision */
+  assert_near(ink[2] / ink[0], 1, 1e-6);
+}
+
+static void test_polygon_covers_its_area(void **state) {
+  (void)state;
+  placido_image image;
+  assert_int_equal(placido_image_new(&image, 8, 6, 1, NULL), PLACIDO_OK);
+  for (int i = 0; i < 48; i++) {
+    image.data[i] = 1;
+  }
+  placido_corner triangle[3] = {{0.5, 0.5}, {3.5, 0.5}, {0.5, 2.5}};
+  placido_paint_polygon(&image, 0.5, triangle, 3);
+  double ink = 0;
+  for (int i = 0; i < 48; i++) {
+    ink += 1 - (double)image.data[i];
+  }
+  assert_near(ink, 12, 1e-5); /* 3' × 2' / 2 in pixels of half a minute */
+  /* In the corner at (0.5, 2.5)' the slanted side falls from 1 to 1/3 of the pixel's height. */
+  assert_near(image.data[8 * 4 + 1], 1 - 2.0 / 3, 1e-6);
+  assert_near(image.data[8 + 1], 0, 1e-6);
+  placido_image_free(&image);
+}
+
+/* Half of the default PSF is 64.25': that much white around, so that the dark beyond the rim stays
+ * off the figures. */
+static void test_margin_is_wider_than_half_the_psf(void **state) {
+  (void)state;
+  size_t count;
+  const placido_chart *charts = placido_chart_table(&count);
+  for (size_t k = 0; k < count; k++) {
+    placido_image image = drawn(charts[k].name, 0.5);
+    for (int y = 0; y < image.height_px; y++) {
+      for (int x = 0; x < image.width_px; x++) {
+        bool margin = x < 129 || y < 129 || x >= image.width_px - 129 || y >= image.height_px - 129;
+        assert_true(!margin || at(&image, x, y) == 1);
+      }
+    }
+    placido_image_free(&image);
+  }
+}
+
+static void test_unknown_charts_name_the_known(void **state) {
+  (void)state;
+  placido_scene scene;
+  placido_error err = {0};
+  assert_int_equal(placido_scene_load(&scene, "landolt", NULL, &err), PLACIDO_UNSUPPORTED);
+  assert_non_null(strstr(err.text, "tumbling-e, fan"));
+  assert_int_equal(placido_scene_load(&scene, "sloan", NULL, &err), PLACIDO_UNSUPPORTED);
+  assert_null(scene.image.data);
+}
+
+static void test_chart_scales_are_bounded(void **state) {
+  (void)state;
+  placido_image image;
+  const placido_chart *chart = placido_chart_find("fan");
+  assert_int_equal(placido_chart_new(&image, chart, 1e-9, NULL), PLACIDO_INPUT);
+  assert_int_equal(placido_chart_new(&image, chart, NAN, NULL), PLACIDO_INPUT);
+  assert_null(placido_chart_find("no such chart"));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+    cmocka_unit_test(test_20_20_e_is_10_px_high_at_half_a_minute),
+    cmocka_unit_test(test_lines_run_from_20_160_to_20_10),
+    cmocka_unit_test(test_coverage_is_exact_at_any_scale),
+    cmocka_unit_test(test_polygon_covers_its_area),
+    cmocka_unit_test(test_margin_is_wider_than_half_the_psf),
+    cmocka_unit_test(test_unknown_charts_name_the_known),
+    cmocka_unit_test(test_chart_scales_are_bounded),
+  };
+  return cmocka_run_group_tests_name("simulate_chart", tests, NULL, NULL);
+}
