@@ -73,6 +73,8 @@ int placido_file_create(placido_file *file, const char *path, placido_error *err
   return PLACIDO_OK;
 }
 
+/* Without fsync: a result lost in a power cut can be computed again; a recording, which cannot, is
+ * put on the disk by the session's writer. */
 int placido_file_commit(placido_file *file, placido_error *err) {
   bool failed = fflush(file->stream) != 0 || ferror(file->stream);
   int cause = failed ? errno : 0;

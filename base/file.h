@@ -34,8 +34,9 @@ typedef struct placido_directory {
 } placido_directory;
 
 /* Makes a temporary directory beside `path`; the caller writes into directory->temporary. Refuses,
- * before any work, a `path` that cannot be written and one that exists, unless it is an empty directory or
- * holds a file called `replaceable` (may be NULL): then commit puts the new one in its place. */
+ * before any work, a `path` that cannot be written and one that exists, unless it is an empty
+ * directory or holds a file called `replaceable` (may be NULL): then commit puts the new one in its
+ * place. */
 int placido_directory_create(placido_directory *directory, const char *path,
                              const char *replaceable, placido_error *err);
 int placido_directory_commit(placido_directory *directory, placido_error *err);

@@ -107,7 +107,7 @@ static int check_tiff(placido_image_kind *kind, const unsigned char *bytes, size
   return classic && directory >= size ? refuse(name, "the TIFF file is cut off", err) : PLACIDO_OK;
 }
 
-/* The next number of a PNM header, -1 where there is none; comments run from # to the line's end. */
+/* The next number of a PNM header, -1 where there is none; # opens a comment. */
 static long pnm_number(const unsigned char *bytes, size_t size, size_t *at) {
   while (*at < size && (isspace(bytes[*at]) || bytes[*at] == '#')) {
     if (bytes[*at] == '#') {

@@ -195,7 +195,7 @@ static void warn_unknown(const placido_json *json, placido_notes *notes) {
 
 int placido_instrument_load(placido_instrument *instrument, const char *path,
                             placido_notes *notes, placido_error *err) {
-  *instrument = (placido_instrument){.calibrated = true};
+  *instrument = (placido_instrument){0};
   placido_json *json;
   int status = placido_json_load(&json, path, FORMAT, err);
   if (status) {
@@ -208,6 +208,8 @@ int placido_instrument_load(placido_instrument *instrument, const char *path,
   if (!status) {
     status = read_mires(instrument, json, err);
   }
+  /* a file that does not say that its geometry was measured holds nominal geometry */
+  instrument->calibrated = placido_json_find(json, "sigma") != NULL;
   if (!status && placido_json_find(json, "calibrated")) {
     status = placido_json_boolean(json, "calibrated", &instrument->calibrated, err);
   }

@@ -18,7 +18,7 @@ int placido_json_load(placido_json **json, const char *path, const char *format,
                       placido_error *err);
 void placido_json_free(placido_json *json);
 
-/* The value at a path, borrowed from the document; NULL where there is none. Path "" is the root. */
+/* The value at a path, borrowed from the document; NULL where there is none. "" is the root. */
 json_t *placido_json_find(const placido_json *json, const char *path);
 
 /* Required values: PLACIDO_INPUT with "FILE:LINE: field PATH ..." where missing, of another type
@@ -51,10 +51,11 @@ int placido_json_refuse(const placido_json *json, const char *path, placido_erro
 void placido_json_warn_unknown(const placido_json *json, const char *path,
                                const char *const *known, placido_notes *notes);
 
-/* Writes `root` (borrowed) to a file by way of a temporary name; numbers with 17 significant digits. NaN and
- * infinity cannot stand in JSON: use placido_json_real, which gives null for them. */
+/* Writes `root` (borrowed) to a file by way of a temporary name; numbers with 17 significant
+ * digits. NaN and infinity cannot stand in JSON: use placido_json_real, which gives null for
+ * them. */
 int placido_json_save(const json_t *root, const char *path, placido_error *err);
-/* A JSON number, or null where the value is not finite. A new reference, NULL when memory is out. */
+/* A JSON number, or null where the value is not finite. A new reference, NULL: out of memory. */
 json_t *placido_json_real(double value);
 
 #endif

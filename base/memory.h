@@ -1,4 +1,4 @@
-/* Allocation that tests can make fail: every allocation of the project's C code comes through here. */
+/* Allocation that tests can make fail: every allocation of the project's C code comes from here. */
 #ifndef PLACIDO_BASE_MEMORY_H
 #define PLACIDO_BASE_MEMORY_H
 

@@ -63,9 +63,19 @@ static void mix_rows(double *row, const placido_maps *maps, const double *values
   }
 }
 
-static void fill_row(float *out, int size, const place *columns, const double *row,
+/* How many samples at either end of row `j` lie outside the circle within the square. */
+static int outside_circle(int j, int size) {
+  double up = 2 * (j + 0.5) / size - 1, half_chord = sqrt(1 - up * up);
+  return (int)(0.5 * size * (1 - half_chord));
+}
+
+/* `margin` samples at either end stay NaN. */
+static void fill_row(float *out, int size, int margin, const place *columns, const double *row,
                      const placido_maps *maps, const double *values, const place *y) {
-  for (int i = 0; i < size; i++) {
+  for (int i = 0; i < margin; i++) {
+    out[i] = out[size - 1 - i] = NAN;
+  }
+  for (int i = margin; i < size - margin; i++) {
     const place *x = &columns[i];
     const double *window = row + x->index;
     double value = x->weights[0] * window[0] + x->weights[1] * window[1] +
@@ -92,7 +102,8 @@ int placido_field_new(placido_field *field, const placido_maps *maps, const doub
   for (int j = 0; j < size; j++) {
     const place *y = &places[size - 1 - j];
     mix_rows(row, maps, values, y);
-    fill_row(out + (size_t)j * (size_t)size, size, places, row, maps, values, y);
+    fill_row(out + (size_t)j * (size_t)size, size, outside_circle(j, size), places, row, maps,
+             values, y);
   }
   placido_memory_free(row);
   placido_memory_free(places);

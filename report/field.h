@@ -5,7 +5,7 @@
 #include <placido/map.h>
 
 /* A square of size * size samples over the grid's whole square, rows from the top (largest y)
- * down; NaN where data do not support a value. */
+ * down; NaN where data do not support a value and outside the circle within the square. */
 typedef struct placido_field {
   int size;
   float *values;

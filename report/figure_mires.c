@@ -102,8 +102,8 @@ static uint32_t blend(uint32_t under, placido_rgb over, double share) {
   return (uint32_t)(r + 0.5) << 16 | (uint32_t)(g + 0.5) << 8 | (uint32_t)(b + 0.5);
 }
 
-/* A dot put straight into the pixels: there are many thousands, and a path for each takes longer than
- * all else. The surface must have been flushed. */
+/* A dot put straight into the pixels: there are many thousands, and a path for each takes longer
+ * than all else. The surface must have been flushed. */
 static void stamp_dot(const overlay *o, double x, double y, double radius, placido_rgb ink) {
   unsigned char *data = cairo_image_surface_get_data(o->canvas.surface);
   int stride = cairo_image_surface_get_stride(o->canvas.surface);

@@ -7,11 +7,11 @@
 #include <string.h>
 
 void placido_number_write(char *text, size_t size, double value, int decimals) {
-  if (!isfinite(value)) {
-    snprintf(text, size, "–");
+  if (!isfinite(value) || fabs(value) >= 1e15) { /* no quantity here is that large */
+    snprintf(text, size, isfinite(value) ? "%.3g" : "–", value);
     return;
   }
-  char digits[400]; /* the largest double has 309 before the point */
+  char digits[40];
   snprintf(digits, sizeof digits, "%.*f", decimals, fabs(value));
   bool zero = strspn(digits, "0.") == strlen(digits);
   snprintf(text, size, "%s%s", value < 0 && !zero ? "−" : "", digits);

@@ -4,13 +4,30 @@
 #include "report/html.h"
 #include "report/number.h"
 
-#include <math.h>
+#include <ctype.h>
+#include <string.h>
+
+/* A name of indices.json as words: "simk_flat_D" in D becomes "Simk flat". */
+static void write_index_name(FILE *stream, const placido_index_value *index) {
+  char words[128], *last;
+  snprintf(words, sizeof words, "%s", index->name);
+  last = strrchr(words, '_');
+  if (last != NULL && index->unit != NULL &&
+      strcmp(placido_unit_text(last + 1), placido_unit_text(index->unit)) == 0) {
+    *last = '\0';
+  }
+  for (char *at = words; *at != '\0'; at++) {
+    *at = *at == '_' ? ' ' : *at;
+  }
+  words[0] = (char)toupper((unsigned char)words[0]);
+  placido_html_text(stream, words);
+}
 
 static void write_index(FILE *stream, const placido_index_value *index) {
   char value[2 * PLACIDO_NUMBER_SIZE + 8];
   placido_number_measure(value, sizeof value, index->value, index->sigma);
   fputs("<tr><th scope=\"row\">", stream);
-  placido_html_text(stream, index->name);
+  write_index_name(stream, index);
   fputs("</th><td class=\"number\">", stream);
   placido_html_text(stream, value);
   fputs("</td><td class=\"unit\">", stream);

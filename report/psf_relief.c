@@ -114,8 +114,8 @@ static double shade(double slope_right, double slope_up) {
 /* The lines of the mesh where no light is. */
 static void draw_floor(const placido_canvas *canvas, const camera *c, const mesh *m) {
   for (int k = -m->half; k <= m->half; k++) {
-    const point ends[] = {{k * m->pitch, -1, 0}, {k * m->pitch, 1, 0},
-                          {-1, k * m->pitch, 0}, {1, k * m->pitch, 0}};
+    const point ends[] = {
+        {k * m->pitch, -1, 0}, {k * m->pitch, 1, 0}, {-1, k * m->pitch, 0}, {1, k * m->pitch, 0}};
     for (int e = 0; e < 4; e++) {
       double x, y;
       project(c, ends[e], &x, &y);

@@ -67,7 +67,11 @@ placido_scale placido_scale_from_zero(double high) {
 
 int placido_scale_step(const placido_scale *scale, double value) {
   double steps = floor((value - scale->first) / scale->step);
-  return (int)(steps < -1e6 ? -1e6 : steps > 1e6 ? 1e6 : steps);
+  int beyond = scale->classes / 2;
+  if (steps < -beyond) {
+    return -beyond;
+  }
+  return steps > scale->classes + beyond ? scale->classes + beyond : (int)steps;
 }
 
 int placido_scale_class(const placido_scale *scale, double value) {

@@ -30,8 +30,8 @@ placido_scale placido_scale_from_zero(double high);
 /* The class of a finite value, 0 to classes - 1. */
 int placido_scale_class(const placido_scale *scale, double value);
 
-/* The number of the step that a value lies in, counted as classes are but not clamped: contours
- * go on inside the open-ended classes. */
+/* The number of the step that a value lies in, counted as classes are, but up to half a scale
+ * beyond either end: contours go on inside the open-ended classes, though not without end. */
 int placido_scale_step(const placido_scale *scale, double value);
 
 /* Writes the lower bound of a class or step, with as many decimals as all bounds of the scale

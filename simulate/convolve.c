@@ -132,7 +132,7 @@ done:
 
 int placido_convolve(placido_image *target, const placido_image *source, const placido_psf *psf,
                      int threads, placido_error *err) {
-  int column, row;
+  int column = 0, row = 0;
   if (source->planes == 4) {
     memcpy(placido_image_plane(target, 3), placido_image_plane(source, 3),
            (size_t)source->width_px * (size_t)source->height_px * sizeof *source->data);

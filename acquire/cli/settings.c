@@ -93,7 +93,7 @@ static const struct option_row measuring_rows[] = {
      "best).", FIELD(frame), parse_integer, 0, 2e9},
     {"knots", 0, "MM", "Knot spacing of the surface's spline, mm (default: 0.5, or finer where the "
      "residuals ask for it).", FIELD(knot_mm), parse_number, 0.1, 2},
-    {"meridians", 0, "N", "Meridians along which edges are measured (default 180).",
+    {"meridians", 0, "N", "Meridians along which edges are measured (default 360).",
      FIELD(meridians), parse_integer, 16, 1440},
 };
 

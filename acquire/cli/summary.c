@@ -15,9 +15,9 @@ static void print_fit(const struct examination *examination) {
 
 static void print_index(const struct settings *settings, const placido_index_value *index) {
   if (isfinite(index->sigma)) {
-    say(settings, "%-24s %9.3f ± %.3f %s", index->name, index->value, index->sigma, index->unit);
+    say(settings, "%-26s %9.3f ± %.3f %s", index->name, index->value, index->sigma, index->unit);
   } else if (isfinite(index->value)) {
-    say(settings, "%-24s %9.3f %s", index->name, index->value, index->unit);
+    say(settings, "%-26s %9.3f %s", index->name, index->value, index->unit);
   }
 }
 

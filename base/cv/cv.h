@@ -21,8 +21,8 @@ int placido_cv_load(placido_image *image, int *bits, const char *path, placido_e
  * bit the upper 8; alpha dropped). */
 int placido_cv_load_frame(placido_frame *frame, const char *path, placido_error *err);
 
-/* Encodes 8- or 16-bit samples, interleaved red-green-blue(-alpha), as PNG to exactly this path (temporary
- * names are the caller's affair). */
+/* Encodes 8- or 16-bit samples, interleaved red-green-blue(-alpha), as PNG to exactly this path
+ * (temporary names are the caller's affair). */
 int placido_cv_save_png(const void *samples, int width_px, int height_px, int channels, int bits,
                         size_t stride_bytes, const char *path, placido_error *err);
 

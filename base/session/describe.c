@@ -16,6 +16,7 @@ typedef struct text_field {
   size_t offset, size;
 } text_field;
 
+/* A macro, because the key in the file and the name of the member are the same word. */
 #define TEXT_FIELD(object, key)                                                                   \
   {object, #key, offsetof(placido_session_info, key), sizeof((placido_session_info *)0)->key}
 

@@ -1,4 +1,5 @@
-/* Whether a Matroska file has its end: the lengths of its two outermost elements (RFC 8794, 4-6). */
+/* Whether a Matroska file has its end: the lengths of its two outermost elements (RFC 8794,
+ * sections 4 to 6). */
 #include "base/session/matroska.h"
 
 #include "base/text.h"

@@ -16,7 +16,8 @@ typedef struct placido_video_writer placido_video_writer;
 int placido_video_reader_open(placido_video_reader **video, const char *path, placido_error *err);
 /* Nominal frame rate, NaN where the file does not tell. */
 double placido_video_reader_rate_hz(const placido_video_reader *video);
-/* Format and significant bits of the samples; false where only decoding will tell. */
+/* Format and significant bits of the samples, to be asked before the first frame is taken; false
+ * where that frame is missing or damaged. */
 bool placido_video_reader_format(const placido_video_reader *video, enum placido_format *format,
                                  int *bits);
 /* Decodes the next frame; sets `*index` (counted from 0, frames that cannot be decoded included)

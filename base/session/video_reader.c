@@ -19,6 +19,11 @@ struct placido_video_reader {
   AVFrame *picture;
   int stream;
   int64_t next_index;
+  int64_t time; /* of the picture, in the stream's unit */
+  /* The first frame is decoded at once: before it, FFV1 does not tell the pixels' format. */
+  bool is_first;
+  int first_status;
+  placido_error first_error;
   bool has_checksums; /* an FFV1 slice of this file had a right one */
   char *path;
 };
@@ -59,9 +64,6 @@ static int open_container(placido_video_reader *video, placido_error *err) {
   }
   int code = avformat_open_input(&video->container, url, av_find_input_format("matroska"), NULL);
   placido_memory_free(url);
-  if (code >= 0) {
-    code = avformat_find_stream_info(video->container, NULL);
-  }
   if (code < 0) {
     return placido_video_refuse(code, "cannot read", video->path, err);
   }
@@ -91,9 +93,6 @@ static int check_codec(const placido_video_reader *video, const AVCodec *codec,
                              "expected)",
                              placido_text_tail(video->path), name);
   }
-  if (parameters->format != AV_PIX_FMT_NONE && !find_grey(parameters->format)) {
-    return refuse_pixels(video, parameters->format, err);
-  }
   return PLACIDO_OK;
 }
 
@@ -120,43 +119,6 @@ static int open_decoder(placido_video_reader *video, placido_error *err) {
   return code < 0 ? placido_video_refuse(code, "cannot decode", video->path, err) : PLACIDO_OK;
 }
 
-int placido_video_reader_open(placido_video_reader **video, const char *path,
-                              placido_error *err) {
-  *video = NULL;
-  placido_video_silence();
-  placido_video_reader *opened = placido_memory_new(1, sizeof *opened, err);
-  if (!opened) {
-    return PLACIDO_MEMORY;
-  }
-  opened->path = placido_memory_string(path, err);
-  int status = opened->path ? open_container(opened, err) : PLACIDO_MEMORY;
-  if (!status) {
-    status = open_decoder(opened, err);
-  }
-  if (status) {
-    placido_video_reader_close(opened);
-    return status;
-  }
-  *video = opened;
-  return PLACIDO_OK;
-}
-
-double placido_video_reader_rate_hz(const placido_video_reader *video) {
-  AVRational rate = video->container->streams[video->stream]->avg_frame_rate;
-  return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : NAN;
-}
-
-bool placido_video_reader_format(const placido_video_reader *video, enum placido_format *format,
-                                 int *bits) {
-  const struct grey *grey =
-      find_grey(video->container->streams[video->stream]->codecpar->format);
-  if (grey) {
-    *format = grey->format;
-    *bits = grey->bits;
-  }
-  return grey != NULL;
-}
-
 /* The next packet of the stream: PLACIDO_END at the file's end and where the file is torn, which
  * the demuxer reports as one of several errors. */
 static int read_packet(placido_video_reader *video, placido_error *err) {
@@ -179,25 +141,6 @@ static int read_packet(placido_video_reader *video, placido_error *err) {
   }
 }
 
-/* Copies the decoded picture's rows. */
-static int take_picture(placido_video_reader *video, placido_frame *frame, placido_error *err) {
-  const AVFrame *picture = video->picture;
-  const struct grey *grey = find_grey(picture->format);
-  if (!grey) {
-    return refuse_pixels(video, picture->format, err);
-  }
-  int status = placido_frame_resize(frame, picture->width, picture->height, grey->format, err);
-  if (status) {
-    return status;
-  }
-  frame->bits = grey->bits;
-  for (int y = 0; y < picture->height; y++) {
-    memcpy(frame->data + (size_t)y * frame->stride_bytes,
-           picture->data[0] + (ptrdiff_t)y * picture->linesize[0], frame->stride_bytes);
-  }
-  return PLACIDO_OK;
-}
-
 /* The packet's picture, or FFmpeg's error. The FFV1 decoder covers damaged slices with what it has
  * and says nothing, so their checksums are looked at here. */
 static int decode(placido_video_reader *video) {
@@ -210,15 +153,13 @@ static int decode(placido_video_reader *video) {
   return code < 0 ? code : avcodec_receive_frame(video->decoder, video->picture);
 }
 
-int placido_video_reader_next(placido_video_reader *video, placido_frame *frame, int64_t *index,
-                              placido_error *err) {
-  *index = video->next_index;
+/* Reads and decodes the next frame into `picture`. */
+static int advance(placido_video_reader *video, placido_error *err) {
   int status = read_packet(video, err);
   if (status) {
     return status;
   }
-  video->next_index++;
-  int64_t time = video->packet->pts;
+  video->time = video->packet->pts;
   int code = decode(video);
   av_packet_unref(video->packet);
   if (code == AVERROR(ENOMEM)) {
@@ -226,12 +167,97 @@ int placido_video_reader_next(placido_video_reader *video, placido_frame *frame,
   }
   if (code < 0) {
     return placido_error_set(err, PLACIDO_INPUT, "%s: frame %lld is damaged",
-                             placido_text_tail(video->path), (long long)*index);
+                             placido_text_tail(video->path), (long long)video->next_index);
   }
-  status = take_picture(video, frame, err);
-  av_frame_unref(video->picture);
+  return find_grey(video->picture->format) ? PLACIDO_OK
+                                           : refuse_pixels(video, video->picture->format, err);
+}
+
+int placido_video_reader_open(placido_video_reader **video, const char *path,
+                              placido_error *err) {
+  *video = NULL;
+  placido_video_silence();
+  placido_video_reader *opened = placido_memory_new(1, sizeof *opened, err);
+  if (!opened) {
+    return PLACIDO_MEMORY;
+  }
+  opened->path = placido_memory_string(path, err);
+  int status = opened->path ? open_container(opened, err) : PLACIDO_MEMORY;
+  if (!status) {
+    status = open_decoder(opened, err);
+  }
+  if (!status) {
+    opened->is_first = true;
+    opened->first_status = advance(opened, &opened->first_error);
+    if (opened->first_status && opened->first_status != PLACIDO_END &&
+        opened->first_status != PLACIDO_INPUT) {
+      status = placido_error_set(err, opened->first_status, "%s", opened->first_error.text);
+    }
+  }
+  if (status) {
+    placido_video_reader_close(opened);
+    return status;
+  }
+  *video = opened;
+  return PLACIDO_OK;
+}
+
+double placido_video_reader_rate_hz(const placido_video_reader *video) {
+  AVRational rate = video->container->streams[video->stream]->avg_frame_rate;
+  return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : NAN;
+}
+
+bool placido_video_reader_format(const placido_video_reader *video, enum placido_format *format,
+                                 int *bits) {
+  const struct grey *grey = video->is_first ? find_grey(video->picture->format) : NULL;
+  if (grey) {
+    *format = grey->format;
+    *bits = grey->bits;
+  }
+  return grey != NULL;
+}
+
+/* Copies the picture's rows. */
+static int take_picture(const placido_video_reader *video, placido_frame *frame,
+                        placido_error *err) {
+  const AVFrame *picture = video->picture;
+  const struct grey *grey = find_grey(picture->format);
+  int status = placido_frame_resize(frame, picture->width, picture->height, grey->format, err);
+  if (status) {
+    return status;
+  }
+  frame->bits = grey->bits;
+  for (int y = 0; y < picture->height; y++) {
+    memcpy(frame->data + (size_t)y * frame->stride_bytes,
+           picture->data[0] + (ptrdiff_t)y * picture->linesize[0], frame->stride_bytes);
+  }
   AVRational unit = video->container->streams[video->stream]->time_base;
-  frame->t_ns = time == AV_NOPTS_VALUE ? 0 : av_rescale_q(time, unit, (AVRational){1, 1000000000});
+  frame->t_ns = video->time == AV_NOPTS_VALUE
+                    ? 0
+                    : av_rescale_q(video->time, unit, (AVRational){1, 1000000000});
+  return PLACIDO_OK;
+}
+
+int placido_video_reader_next(placido_video_reader *video, placido_frame *frame, int64_t *index,
+                              placido_error *err) {
+  *index = video->next_index;
+  int status;
+  if (video->is_first) {
+    video->is_first = false;
+    status = video->first_status;
+    if (status) {
+      placido_error_set(err, status, "%s", video->first_error.text);
+    }
+  } else {
+    status = advance(video, err);
+  }
+  if (status != PLACIDO_END) {
+    video->next_index++;
+  }
+  if (!status) {
+    status = take_picture(video, frame, err);
+  }
+  av_frame_unref(video->picture);
   return status;
 }
 

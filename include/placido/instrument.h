@@ -31,7 +31,8 @@ typedef struct placido_instrument {
   bool first_band_bright;  /* brightness of the band between edge 0 and edge 1 */
   int edge_count;          /* at least 1 */
   placido_edge edges[PLACIDO_EDGES_MAX]; /* from the innermost in the image outwards */
-  bool calibrated;         /* false: nominal geometry, which every report must show */
+  bool calibrated;         /* false: nominal geometry, which every report must show. A file
+                              that does not say is believed calibrated only if it has "sigma" */
 } placido_instrument;
 
 /* Reads an instrument file. Unknown keys give one warning line in `notes` (may be NULL).

@@ -42,8 +42,9 @@ void placido_fit_free(placido_fit *fit);
 const placido_surface *placido_fit_surface(const placido_fit *fit);
 placido_fit_summary placido_fit_summary_get(const placido_fit *fit);
 
-/* Standard deviations at (x, y), 1 sigma: of z (micrometres) and of axial curvature (337.5
- * dioptres), from edge noise, smoothing and the distance's uncertainty. NaN outside the disc. */
+/* Standard deviations at (x, y), 1 sigma: of z (micrometres) against its value on the axis, whose
+ * own uncertainty is axis_z_sigma_mm, and of axial curvature (337.5 dioptres); from edge noise,
+ * smoothing and the distance's uncertainty. NaN outside the disc. */
 void placido_fit_sigma_at(const placido_fit *fit, double x_mm, double y_mm, double *sigma_z_um,
                           double *sigma_axial_D);
 

@@ -22,7 +22,13 @@ typedef struct placido_peak {
   double x_mm, y_mm, power_D;
 } placido_peak;
 
+/* Where the cornea faces the instrument squarely; NaN where data show no such place. */
+typedef struct placido_vertex {
+  double x_mm, y_mm;
+} placido_vertex;
+
 typedef struct placido_cornea {
+  placido_vertex vertex;
   placido_simk simk;
   placido_conicoid conicoid;
   double sphere_radius_mm, sphere_sigma_mm; /* best-fit sphere */
@@ -39,7 +45,9 @@ typedef struct placido_index_row {
 const placido_index_row *placido_index_rows(size_t *count);
 
 /* The shared figures. The fits return PLACIDO_OK or PLACIDO_MEMORY. */
-placido_simk placido_simk_find(const placido_surface *surface, const placido_fit *fit);
+placido_vertex placido_vertex_find(const placido_surface *surface);
+placido_simk placido_simk_find(const placido_surface *surface, const placido_fit *fit,
+                               placido_vertex vertex);
 int placido_conicoid_fit(placido_conicoid *conicoid, const placido_surface *surface,
                          const placido_fit *fit, placido_error *err);
 int placido_sphere_radius_find(double *radius_mm, double *sigma_mm, const placido_surface *surface,
@@ -52,6 +60,8 @@ placido_peak placido_steepest_find(const placido_surface *surface);
 double placido_ring_sigma(const placido_surface *surface, const placido_fit *fit, double r_mm);
 
 /* The values in the rows' order of their groups. */
+double placido_index_vertex_x(const placido_cornea *cornea, double *sigma);
+double placido_index_vertex_y(const placido_cornea *cornea, double *sigma);
 double placido_index_simk_flat(const placido_cornea *cornea, double *sigma);
 double placido_index_simk_flat_axis(const placido_cornea *cornea, double *sigma);
 double placido_index_simk_steep(const placido_cornea *cornea, double *sigma);

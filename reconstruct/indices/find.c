@@ -25,7 +25,9 @@ int placido_indices_find(placido_index_value values[PLACIDO_INDICES_MAX], size_t
                          const placido_surface *surface, const placido_fit *fit,
                          placido_error *err) {
   *count = 0;
-  placido_cornea cornea = {.simk = placido_simk_find(surface, fit),
+  placido_vertex vertex = placido_vertex_find(surface);
+  placido_cornea cornea = {.vertex = vertex,
+                           .simk = placido_simk_find(surface, fit, vertex),
                            .steepest = placido_steepest_find(surface)};
   int status = placido_conicoid_fit(&cornea.conicoid, surface, fit, err);
   if (!status) {

@@ -1,5 +1,5 @@
-/* Simulated keratometry: 337.5 over the mean axial radius around the 3 mm circle, for the flattest
- * diameter and the one perpendicular to it. The zone is that of the mires 6 to 8 of the TMS
+/* Simulated keratometry: 337.5 over the mean axial radius around the 3 mm circle about the vertex,
+ * for the flattest diameter and the one perpendicular to it. The zone is that of the mires 6 to 8 of the TMS
  * instruments, 3 mm wide; axial power and both semi-meridians as there. Anchored on the flattest
  * meridian, not on the steepest: on an irregular cornea the two rules differ. */
 #include "reconstruct/indices/cornea.h"
@@ -22,19 +22,27 @@ struct sums {
   double radius_mm, sigma_D;
 };
 
-static struct sums add_semi_meridian(const placido_surface *surface, const placido_fit *fit,
-                                     double angle) {
+/* What is measured, and about which line. */
+struct place {
+  const placido_surface *surface;
+  const placido_fit *fit;
+  placido_vertex vertex;
+};
+
+static struct sums add_semi_meridian(const struct place *place, double angle) {
   struct sums sums = {0};
   for (int i = 0; i < SAMPLES; i++) {
     double r = FIRST_MM + i * 0.1, sigma_z;
+    /* the point as seen from the vertex: axial power is about the line through it */
     placido_map_point point = {.x_mm = r * cos(angle), .y_mm = r * sin(angle)};
-    if (placido_surface_covered(surface, point.x_mm, point.y_mm) &&
-        placido_surface_at(surface, point.x_mm, point.y_mm, &point.jet)) {
+    double x = place->vertex.x_mm + point.x_mm, y = place->vertex.y_mm + point.y_mm;
+    if (placido_surface_covered(place->surface, x, y) &&
+        placido_surface_at(place->surface, x, y, &point.jet)) {
       double sigma;
-      placido_sigma_at(fit, point.x_mm, point.y_mm, &sigma_z, &sigma);
+      placido_sigma_at(place->fit, x, y, &sigma_z, &sigma);
       sums.count++;
       sums.radius_mm += PLACIDO_KERATOMETRIC / placido_map_axial(&point);
-      sums.sigma_D += sigma;
+      sums.sigma_D += sigma * hypot(x, y) / r; /* it goes as the slope's error over the distance */
     }
   }
   return sums;
@@ -42,11 +50,10 @@ static struct sums add_semi_meridian(const placido_surface *surface, const placi
 
 /* Power of a diameter, NaN where a half of it lacks data. Its sigma takes the errors of the samples
  * as fully correlated: an upper bound. */
-static double power_along(const placido_surface *surface, const placido_fit *fit, double axis_deg,
-                          double *sigma_D) {
+static double power_along(const struct place *place, double axis_deg, double *sigma_D) {
   double angle = axis_deg * DEGREE;
-  struct sums one = add_semi_meridian(surface, fit, angle);
-  struct sums other = add_semi_meridian(surface, fit, angle + 180 * DEGREE);
+  struct sums one = add_semi_meridian(place, angle);
+  struct sums other = add_semi_meridian(place, angle + 180 * DEGREE);
   *sigma_D = NAN;
   if (one.count < SAMPLES_MIN || other.count < SAMPLES_MIN) {
     return NAN;
@@ -58,11 +65,11 @@ static double power_along(const placido_surface *surface, const placido_fit *fit
 
 /* The flattest diameter, refined between whole degrees by the parabola through its neighbours; NaN
  * without data in at least half of the diameters. */
-static double find_flattest(const placido_surface *surface) {
+static double find_flattest(const struct place *place) {
   double power[MERIDIANS], sigma;
   int best = -1, count = 0;
   for (int i = 0; i < MERIDIANS; i++) {
-    power[i] = power_along(surface, NULL, i, &sigma);
+    power[i] = power_along(place, i, &sigma);
     count += isfinite(power[i]);
     if (isfinite(power[i]) && (best < 0 || power[i] < power[best])) {
       best = i;
@@ -77,14 +84,17 @@ static double find_flattest(const placido_surface *surface) {
   return fmod(best + shift + MERIDIANS, MERIDIANS);
 }
 
-placido_simk placido_simk_find(const placido_surface *surface, const placido_fit *fit) {
+placido_simk placido_simk_find(const placido_surface *surface, const placido_fit *fit,
+                               placido_vertex vertex) {
+  struct place place = {surface, NULL, vertex};
   placido_simk simk = {NAN, NAN, NAN, NAN, NAN, NAN};
-  double axis_deg = find_flattest(surface);
+  double axis_deg = isnan(vertex.x_mm) ? NAN : find_flattest(&place);
   if (isnan(axis_deg)) {
     return simk;
   }
-  simk.flat_D = power_along(surface, fit, axis_deg, &simk.sigma_flat_D);
-  simk.steep_D = power_along(surface, fit, axis_deg + 90, &simk.sigma_steep_D);
+  place.fit = fit;
+  simk.flat_D = power_along(&place, axis_deg, &simk.sigma_flat_D);
+  simk.steep_D = power_along(&place, axis_deg + 90, &simk.sigma_steep_D);
   if (simk.steep_D - simk.flat_D > NO_CYLINDER_D) {
     simk.flat_axis_deg = axis_deg;
     simk.steep_axis_deg = fmod(axis_deg + 90, MERIDIANS);

@@ -2,10 +2,13 @@
 #include "reconstruct/indices/cornea.h"
 
 static const placido_index_row rows[] = {
+    {"vertex_x_mm", "mm",
+     "The corneal vertex, where the cornea faces the instrument squarely: to the right of the axis.",
+     placido_index_vertex_x},
+    {"vertex_y_mm", "mm", "The corneal vertex: upwards of the axis.", placido_index_vertex_y},
     {"simk_flat_D", "D",
      "Simulated keratometry, flattest meridian: 337.5 over the mean axial radius at 1.3 to 1.7 mm "
-     "from "
-     "the axis, both semi-meridians.",
+     "from the vertex, about the line through it along the axis; both semi-meridians.",
      placido_index_simk_flat},
     {"simk_flat_axis_deg", "deg",
      "Meridian of simk_flat_D, 0 to 180, from +x (right) towards +y (up).",
@@ -20,8 +23,7 @@ static const placido_index_row rows[] = {
     {"simk_mean_D", "D", "Mean of simk_flat_D and simk_steep_D.", placido_index_simk_mean},
     {"asphericity_q", "",
      "Asphericity Q of the toric conicoid fitted to the central 6 mm (0 is a sphere, below 0 "
-     "flattens "
-     "outwards).",
+     "flattens outwards).",
      placido_index_asphericity},
     {"apical_radius_mm", "mm",
      "Mean radius of curvature at the apex of the toric conicoid fitted to the central 6 mm.",

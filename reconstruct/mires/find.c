@@ -23,6 +23,7 @@ typedef struct yardstick {
 } yardstick;
 
 #define ORDINARY_CORNEA_MM 7.8
+#define MERIDIANS_LINKED 300 /* at least so many are looked at: over wider steps edges lose their way */
 #define FLATTEST 1.6 /* mires reach no further than this times the ordinary reach */
 
 static int yardstick_of(yardstick *out, const placido_instrument *instrument,
@@ -57,8 +58,9 @@ static int by_edge(const void *a, const void *b) {
                                   (x->meridian_deg < y->meridian_deg);
 }
 
-/* Copies the numbered crossings out as points. */
-static int collect(placido_mires *mires, const placido_crossings *all, placido_error *err) {
+/* Copies the numbered crossings of every stride-th meridian out as points. */
+static int collect(placido_mires *mires, const placido_crossings *all, int stride,
+                   placido_error *err) {
   mires->points = placido_memory_new(all->count, sizeof *mires->points, err);
   if (!mires->points) {
     return PLACIDO_MEMORY;
@@ -66,7 +68,7 @@ static int collect(placido_mires *mires, const placido_crossings *all, placido_e
   double sum = 0;
   for (size_t i = 0; i < all->count; i++) {
     const placido_crossing *c = &all->list[i];
-    if (c->edge < 0) {
+    if (c->edge < 0 || c->meridian % stride != 0) {
       continue;
     }
     double angle = 2 * M_PI * c->meridian / all->meridians;
@@ -125,6 +127,11 @@ int placido_mires_find(placido_mires *mires, const placido_frame *frame,
   int meridians = options && options->meridians ? options->meridians : 360;
   int edges_min = options && options->edges_min ? options->edges_min : 5;
   int threads = options && options->threads ? options->threads : 1;
+  int stride = 1, linked = meridians;
+  if (meridians > 0 && meridians < MERIDIANS_LINKED) {
+    stride = (MERIDIANS_LINKED + meridians - 1) / meridians;
+    linked = meridians * stride;
+  }
   *mires = (placido_mires){.edge_count = instrument->edge_count, .meridian_count = meridians};
   placido_image plane = {0};
   placido_polar polar = {0};
@@ -134,18 +141,18 @@ int placido_mires_find(placido_mires *mires, const placido_frame *frame,
   double centre[2] = {0};
   int status = check_frame(frame, instrument, err);
   if (!status && (meridians < 24 || meridians > 3600)) {
-    status = placido_error_set(err, PLACIDO_INPUT, "%d meridians: 24 to 3600 are possible",
+    status = placido_error_set(err, PLACIDO_INPUT, "%d meridians, expected 24 to 3600",
                                meridians);
   }
   if (status || (status = yardstick_of(&yard, instrument, err)) ||
       (status = placido_mires_plane(&plane, frame, err)) ||
       (status = placido_mires_centre(centre, &plane, yard.reach_px, yard.inner_px,
                                      yard.spacing_px, err)) ||
-      (status = placido_polar_new(&polar, &plane, centre, FLATTEST * yard.reach_px, meridians,
+      (status = placido_polar_new(&polar, &plane, centre, FLATTEST * yard.reach_px, linked,
                                   threads, err)) ||
       (status = placido_crossings_find(&crossings, &polar, yard.spacing_px, yard.reach_px, threads,
                                        err)) ||
-      (status = placido_chains_link(&chains, &crossings, meridians / 60, err)) ||
+      (status = placido_chains_link(&chains, &crossings, linked / 60, err)) ||
       (status = placido_chains_number(&chains, &crossings, instrument, yard.expected_px, err))) {
     goto done;
   }
@@ -153,7 +160,7 @@ int placido_mires_find(placido_mires *mires, const placido_frame *frame,
   mires->centre_u_px = centre[0];
   mires->centre_v_px = centre[1];
   if ((status = placido_crossings_gate(&crossings, instrument->edge_count, err)) ||
-      (status = collect(mires, &crossings, err)) ||
+      (status = collect(mires, &crossings, stride, err)) ||
       (status = check_enough(mires, edges_min, err))) {
     goto done;
   }

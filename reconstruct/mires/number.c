@@ -17,6 +17,7 @@
 #define ANCHOR_SHARE 0.5    /* of its neighbours' length and strength that the innermost edge must have */
 #define ANCHOR_NEIGHBOURS 4
 #define ROUND_SHARE 0.25    /* of the circle on which the innermost edge must be seen */
+#define ARC_SHARE 0.1       /* of the circle that it must run without a break: squares do not */
 #define MATCH_LOG 0.15      /* mean |log radius ratio| up to which two components agree */
 
 static bool edge_rises(const placido_instrument *instrument, int edge) {
@@ -90,6 +91,7 @@ static int follows_new(follows **list, size_t *count, const placido_crossings *a
 /* What is known of one relative number of a component. */
 typedef struct ring {
   int length;    /* meridians on which it is seen */
+  int longest;   /* its longest chain */
   double radius; /* sums of radius and |slope| over them */
   double strength;
   bool rising;
@@ -199,7 +201,9 @@ static ring ring_of(const numbering *n, int c, int relative) {
   for (size_t i = 0; i < n->crossings->count; i++) {
     const placido_crossing *x = &n->crossings->list[i];
     if (x->chain >= 0 && n->member[x->chain] == c && n->relative[x->chain] == relative) {
+      int chain = n->chains->list[x->chain].length;
       r.length++;
+      r.longest = chain > r.longest ? chain : r.longest;
       r.radius += x->radius_px;
       r.strength += fabs(x->slope);
       r.rising = x->slope > 0;
@@ -238,7 +242,8 @@ static bool find_anchor(const numbering *n, int c, int *anchor) {
     }
     if (stands_out(n, c, k) && r.rising == edge_rises(n->instrument, 0) && radius > low) {
       *anchor = k;
-      return r.length >= ROUND_SHARE * n->crossings->meridians;
+      return r.length >= ROUND_SHARE * n->crossings->meridians &&
+             r.longest >= ARC_SHARE * n->crossings->meridians;
     }
   }
   return false;

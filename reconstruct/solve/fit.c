@@ -18,6 +18,8 @@
 #define FAR_PX 20.0     /* a point this far from the conicoid says nothing of how far the data reach */
 #define CUT 5.0         /* in robust standard deviations */
 #define SPREAD_MIN_PX 0.01
+#define ASTRAY 0.15     /* of the edges' distance: real eyes stay under a third of it */
+#define DOUBTFUL 3.0    /* spread over rough noise from which on the user is warned */
 #define CUT_SPREAD 2    /* neighbours along the edge that go with a cut point */
 #define CUT_MOST 0.3    /* share of the points: more means that the model is wrong, not the points */
 /* Relative fall of the cost at which an iteration ends. In the last one 2e-4 is a few units of chi
@@ -164,9 +166,15 @@ static int fit_spline(progress *p, placido_grid *grid, placido_error *err) {
   return status;
 }
 
-/* A sample's residual less what is usual on its edge: a mire that the instrument file puts in a
- * slightly wrong place is off as a whole, which says nothing against one of its points. */
-static void deviations(const progress *p, double *deviation, double *work) {
+/* Every sample's residual less what is usual on its edge, and the robust spread of the used ones'. A
+ * mire that the instrument file puts in a slightly wrong place is off as a whole, which says
+ * nothing against one of its points. Free with placido_memory_free. */
+static int deviations_new(double **list, double *spread, const progress *p, placido_error *err) {
+  double *work = p->refinement.work;
+  double *deviation = *list = placido_memory_new(p->count, sizeof *deviation, err);
+  if (!deviation) {
+    return PLACIDO_MEMORY;
+  }
   for (size_t i = 0; i < p->count;) {
     size_t first = i, n = 0;
     for (; i < p->count && p->samples[i].edge == p->samples[first].edge; i++) {
@@ -180,25 +188,28 @@ static void deviations(const progress *p, double *deviation, double *work) {
       deviation[k] -= usual;
     }
   }
-}
-
-/* Takes points that stray from their edge out of use, with their neighbours along it. Points that were
- * cut before come back where they fit now. */
-static int cut_outliers(progress *p, size_t *cut, placido_error *err) {
-  double *deviation = placido_memory_new(p->count, sizeof *deviation, err);
-  double *work = p->refinement.work;
-  if (!deviation) {
-    return PLACIDO_MEMORY;
-  }
-  deviations(p, deviation, work);
   size_t n = 0;
   for (size_t i = 0; i < p->count; i++) {
     if (p->samples[i].used && !isnan(deviation[i])) {
       work[n++] = fabs(deviation[i]);
     }
+  }
+  *spread = 1.4826 * placido_quantile(work, n, 0.5);
+  return PLACIDO_OK;
+}
+
+/* Takes points that stray from their edge out of use, with their neighbours along it. Points that were
+ * cut before come back where they fit now. */
+static int cut_outliers(progress *p, size_t *cut, placido_error *err) {
+  double *deviation, spread;
+  int status = deviations_new(&deviation, &spread, p, err);
+  if (status) {
+    return status;
+  }
+  double limit = CUT * fmax(SPREAD_MIN_PX, spread);
+  for (size_t i = 0; i < p->count; i++) {
     p->samples[i].used = true;
   }
-  double limit = CUT * fmax(SPREAD_MIN_PX, 1.4826 * placido_quantile(work, n, 0.5));
   for (size_t i = 0; i < p->count; i++) {
     if (fabs(deviation[i]) < limit) {
       continue;
@@ -214,6 +225,62 @@ static int cut_outliers(progress *p, size_t *cut, placido_error *err) {
     *cut += !p->samples[i].used;
   }
   placido_memory_free(deviation);
+  return PLACIDO_OK;
+}
+
+/* The median distance of neighbouring edges along a meridian, in the image. */
+static int edge_distance(double *distance_px, const progress *p, placido_error *err) {
+  const placido_mires *mires = p->mires;
+  size_t meridians = (size_t)mires->meridian_count, n = 0;
+  size_t *last = placido_memory_new(meridians, sizeof *last, err);
+  if (!last) {
+    return PLACIDO_MEMORY;
+  }
+  double *gaps = p->refinement.work;
+  for (size_t i = 0; i < mires->count; i++) {
+    const placido_mire_point *a = &mires->points[i];
+    size_t m = (size_t)lrint(a->meridian_deg * (double)meridians / 360) % meridians;
+    if (last[m]) {
+      const placido_mire_point *b = &mires->points[last[m] - 1];
+      if (a->edge == b->edge + 1) {
+        gaps[n++] = hypot(a->u_px - b->u_px, a->v_px - b->v_px);
+      }
+    }
+    last[m] = i + 1;
+  }
+  *distance_px = placido_quantile(gaps, n, 0.5);
+  placido_memory_free(last);
+  return PLACIDO_OK;
+}
+
+/* Says how well the mires agree with any smooth cornea under this instrument: refuses what is
+ * absurd, warns of what noise cannot explain. */
+static int judge(progress *p, placido_notes *notes, placido_error *err) {
+  double distance, *deviation, astray;
+  int status = edge_distance(&distance, p, err);
+  if (!status) {
+    status = deviations_new(&deviation, &astray, p, err);
+  }
+  if (status) {
+    return status;
+  }
+  placido_memory_free(deviation);
+  double spread = placido_samples_spread(p->samples, p->count, p->refinement.work);
+  double rough = placido_noise_rough(p->samples, p->count, p->mires, 1, p->refinement.work);
+  if (!(astray < ASTRAY * distance)) {
+    return placido_error_set(err, PLACIDO_QUALITY,
+                             "no smooth cornea mirrors the mires to where they are seen: along "
+                             "the edges points stray by %.1f px (limit %.1f px, %.0f %% of the "
+                             "edges' distance)",
+                             astray, ASTRAY * distance, 100 * ASTRAY);
+  }
+  if (spread > DOUBTFUL * fmax(rough, SPREAD_MIN_PX)) {
+    placido_notes_add(notes,
+                      "the mires lie %.2f px off the fitted surface, %.0f times their own noise: "
+                      "the instrument's geometry, the distance or the numbering does not fit, and "
+                      "the error bars do not know of it",
+                      spread, spread / rough);
+  }
   return PLACIDO_OK;
 }
 
@@ -233,6 +300,9 @@ static int fit_robust(progress *p, placido_grid *grid, placido_notes *notes,
                                100.0 * (double)cut / (double)p->count, 100 * CUT_MOST);
     }
     status = placido_refinement_run(&p->refinement, pass ? SETTLED : SETTLED_ROUGHLY, err);
+  }
+  if (!status) {
+    status = judge(p, notes, err);
   }
   if (!status) {
     status = placido_refinement_finish(&p->refinement, err);
@@ -385,7 +455,8 @@ void placido_fit_sigma_at(const placido_fit *fit, double x_mm, double y_mm, doub
     return;
   }
   double r = hypot(x_mm, y_mm), slope, along[2] = {1, 0};
-  /* axial curvature s/(r·sqrt(1+s²)) changes by ds/(r·(1+s²)^1.5); at the axis it is s', and the
+  /* what the distance lifts as a whole, itself included, is no error of the shape: lifted is what is
+   * left at (x, y) beyond the lift on the axis. Axial curvature s/(r·sqrt(1+s²)) changes by ds/(r·(1+s²)^1.5); at the axis it is s', and the
    * slope's own row over a short radius stands for it */
   double radius = fmax(r, 0.05);
   if (r > 0) {
@@ -394,7 +465,7 @@ void placido_fit_sigma_at(const placido_fit *fit, double x_mm, double y_mm, doub
   }
   slope = jet.sx * along[0] + jet.sy * along[1];
   double power = 337.5 / (radius * pow(1 + slope * slope, 1.5));
-  double height[PLACIDO_SPLINE_CELL], tilt[PLACIDO_SPLINE_CELL], lifted = 0, tilted = 0;
+  double height[PLACIDO_SPLINE_CELL], tilt[PLACIDO_SPLINE_CELL], lifted = -1, tilted = 0;
   for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
     int j = k / PLACIDO_SPLINE_ORDER, i = k % PLACIDO_SPLINE_ORDER;
     height[k] = basis.y[0][j] * basis.x[0][i];

@@ -1,4 +1,4 @@
-/* Messages are one line, notes never repeat, allocations fail where told, frames keep their room. */
+/* Messages are one line, notes never repeat, allocations fail where told, frames keep room. */
 #include "base/memory.h"
 #include "base/text.h"
 

@@ -51,7 +51,7 @@ static void what_may_be_missing_has_its_default(void **state) {
   placido_notes notes = {0};
   assert_int_equal(load(state, whole, &instrument, &notes, NULL), PLACIDO_OK);
   assert_int_equal(notes.count, 0);
-  assert_true(instrument.calibrated);
+  assert_false(instrument.calibrated);
   assert_true(instrument.distortion[0] == 0 && instrument.distortion[4] == 0);
   assert_true(instrument.focal_px[1] == 5001);
   assert_false(instrument.first_band_bright);

@@ -78,7 +78,8 @@ static void errors_name_file_line_and_field(void **state) {
   assert_string_equal(said(&err),
                       "d.json:6: field camera.focal_px[1]: is a string, a number is expected");
   placido_json_number(json, "camera.position", &number, &err);
-  assert_string_equal(said(&err), "d.json:4: field camera.position: missing (a number is expected)");
+  assert_string_equal(said(&err),
+                      "d.json:4: field camera.position: missing (a number is expected)");
   placido_json_number(json, "edges[1].radius_mm", &number, &err);
   assert_string_equal(said(&err),
                       "d.json:9: field edges[1].radius_mm: missing (a number is expected)");
@@ -120,7 +121,8 @@ static void unknown_keys_give_one_line(void **state) {
   placido_json_warn_unknown(json, "nowhere", known, &notes);
   placido_json_warn_unknown(json, "", known, NULL);
   assert_int_equal(notes.count, 1);
-  assert_non_null(strstr(notes.lines[0], "d.json:1: unknown fields are ignored: count, whole, yes"));
+  assert_non_null(
+      strstr(notes.lines[0], "d.json:1: unknown fields are ignored: count, whole, yes"));
   placido_notes_clear(&notes);
   placido_json_free(json);
 }

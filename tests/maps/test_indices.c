@@ -3,7 +3,7 @@
 #include "base/json.h"
 #include "base/memory.h"
 #include "tests/maps/eyes.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <math.h>
 #include <stdarg.h>

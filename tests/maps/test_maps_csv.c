@@ -1,7 +1,7 @@
 /* maps.csv: a row per grid point within the radius, numbers that read back bit for bit, empty
  * cells. */
 #include "tests/maps/eyes.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <math.h>
 #include <stdarg.h>

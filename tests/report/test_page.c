@@ -124,7 +124,7 @@ static void nominal_geometry_is_announced(void **state) {
 
 static void figures_are_shown_with_their_errors(void **state) {
   placido_index_value indices[] = {
-      {.name = "SimK", .unit = "D", .help = "h", .value = 43.2712, .sigma = 0.021},
+      {.name = "simk_flat_D", .unit = "D", .help = "h", .value = 43.2712, .sigma = 0.021},
       {.name = "KISA", .unit = "%", .help = "h", .value = NAN, .sigma = NAN}};
   placido_mires mires = {
       .edge_count = 48, .meridian_count = 180, .count = 8300, .coverage = 0.961, .contrast = 0.42};
@@ -142,6 +142,7 @@ static void figures_are_shown_with_their_errors(void **state) {
                            .axis_z_mm = 0.0123,
                            .axis_z_sigma_mm = 0.05};
   char *text = write_report(state, &report);
+  assert_non_null(strstr(text, ">Simk flat</th>"));
   assert_non_null(strstr(text, "43.271 ± 0.021"));
   assert_non_null(strstr(text, "<td class=\"number\">–</td>"));
   assert_non_null(strstr(text, "8300, 96.1 % of 48 edges on 180 meridians"));

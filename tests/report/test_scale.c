@@ -139,6 +139,8 @@ static void the_last_classes_are_open(void **state) {
   assert_int_equal(placido_scale_class(&scale, 1e300), 19);
   assert_int_equal(placido_scale_class(&scale, -1e300), 0);
   assert_int_equal(placido_scale_step(&scale, 50.2), 23);
+  assert_int_equal(placido_scale_step(&scale, 1e300), 30);
+  assert_int_equal(placido_scale_step(&scale, -1e300), -10);
 }
 
 static void bounds_are_written_with_the_decimals_of_the_scale(void **state) {

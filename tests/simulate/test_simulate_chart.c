@@ -1,7 +1,7 @@
 /* Charts: sizes of the letters, exact coverage, what this build does not draw. */
 #include "simulate/charts/chart.h"
 #include "simulate/charts/paint.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <placido/simulate.h>
 

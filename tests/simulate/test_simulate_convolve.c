@@ -2,7 +2,7 @@
 #include "eyes.h"
 #include "simulate/convolve.h"
 #include "simulate/fft.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <math.h>
 #include <stdlib.h>

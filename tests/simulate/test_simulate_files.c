@@ -2,7 +2,7 @@
 #include "base/json.h"
 #include "base/memory.h"
 #include "eyes.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* The search: peaks of known corneas, cylinders and their axes, an eye that is turned. */
 #include "eyes.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* The PSF: exact cases, conservation of light, orientation, refusals. */
 #include "eyes.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <stdarg.h>
 #include <stddef.h>

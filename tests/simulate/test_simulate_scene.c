@@ -1,6 +1,6 @@
 /* Scene files: calibrations worked out by hand, photographs in linear light, refusals. */
 #include "eyes.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #include "eyes.h"
 #include "simulate/eye.h"
 #include "simulate/trace.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* B-splines: polynomials are reproduced exactly, derivatives belong, edges hold. */
 #include "tests/surface/jets.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* Surface files: what is written reads back bit for bit, and a bad file is refused by file, line
  * and field. */
 #include "base/memory.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <placido/surface.h>
 

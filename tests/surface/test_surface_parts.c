@@ -1,7 +1,7 @@
 /* Every kind of part has the sag that docs/formats.md gives it, and derivatives that belong to it.
  */
 #include "tests/surface/jets.h"
-#include "tests/surface/near.h"
+#include "tests/support/near.h"
 
 #include <math.h>
 #include <stdarg.h>
