@@ -5,7 +5,7 @@
 #include <math.h>
 
 #define PARAMETERS 4 /* radius, asphericity, cx, cy */
-#define STEPS_MAX 30
+#define STEPS_MAX 8 /* a scale: it need not be the best conicoid, the spline takes up the rest */
 #define SURFACE_RADIUS_MM 9
 
 static const double RANGES[PARAMETERS][2] = {{4, 16}, {-2.5, 2}, {-3, 3}, {-3, 3}};

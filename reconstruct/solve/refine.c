@@ -243,7 +243,10 @@ int placido_refinement_run(placido_refinement *r, double settled, placido_error 
   double *step = placido_memory_new(n, sizeof *step, err);
   int status = step ? PLACIDO_OK : PLACIDO_MEMORY;
   double fell = 1;
-  trace(r);
+  if (!r->traced) {
+    trace(r);
+    r->traced = true;
+  }
   for (int i = 0; i < r->steps_max && !status; i++, r->steps++) {
     double sigma_before = r->sigma_px;
     rescale(r);
@@ -256,18 +259,6 @@ int placido_refinement_run(placido_refinement *r, double settled, placido_error 
   if (!status && !(fell < 10 * settled)) {
     status = placido_error_set(err, PLACIDO_QUALITY,
                                "the surface did not settle within %d steps", r->steps_max);
-  }
-  placido_memory_free(step);
-  return status;
-}
-
-int placido_refinement_finish(placido_refinement *r, placido_error *err) {
-  size_t n = (size_t)r->shape.grid->side * (size_t)r->shape.grid->side;
-  double *step = placido_memory_new(n, sizeof *step, err);
-  int status = PLACIDO_MEMORY;
-  if (step) {
-    assemble(r);
-    status = placido_normal_solve(r->normal, 0, step, err);
   }
   placido_memory_free(step);
   return status;

@@ -12,7 +12,8 @@
  * spline is 0 at x = y = 0, where the distance is given. */
 typedef struct placido_refinement {
   placido_shape shape;
-  double *coefficients; /* what shape.coefficients points to */
+  double *coefficients; /* what shape.coefficients points to; whoever sets them clears `traced` */
+  bool traced;          /* the samples' residuals are those of the coefficients */
   placido_normal *normal;
   placido_sample *samples;
   size_t count;
@@ -32,10 +33,8 @@ int placido_refinement_new(placido_refinement *r, const placido_surface *base,
 void placido_refinement_free(placido_refinement *r);
 
 /* Iterates until the cost falls by less than the share `settled` in a step and the residuals'
- * spread stays. PLACIDO_QUALITY where it does not settle. */
+ * spread stays. Leaves in `normal` the matrix and factor of the last step, for the error bars.
+ * PLACIDO_QUALITY where it does not settle. */
 int placido_refinement_run(placido_refinement *r, double settled, placido_error *err);
-
-/* Leaves the normal matrix of the solution and its factor in `normal`, for the error bars. */
-int placido_refinement_finish(placido_refinement *r, placido_error *err);
 
 #endif

@@ -1,0 +1,22 @@
+/* What a fit leaves: the surface, and the covariance that its error bars come from. */
+#ifndef PLACIDO_SOLVE_RESULT_H
+#define PLACIDO_SOLVE_RESULT_H
+
+#include "reconstruct/solve/normal.h"
+
+#include <placido/reconstruct.h>
+
+struct placido_fit {
+  placido_surface *surface;
+  placido_grid grid;
+  placido_normal *normal;
+  double *inverse;      /* covariance of the coefficients at the normal matrix's pattern */
+  double *by_distance;  /* d coefficients / d axis_z */
+  double variance_scale, axis_z_sigma_mm;
+  placido_fit_summary summary;
+};
+
+/* Fills inverse and by_distance from the normal matrix's last factor. */
+int placido_fit_covariance(placido_fit *fit, placido_error *err);
+
+#endif
