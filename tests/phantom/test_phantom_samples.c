@@ -1,55 +1,23 @@
 /* The phantom against pictures of an independent renderer: same surface and instrument, same
  * mires. */
 #include "tests/phantom/locate.h"
+#include "tests/support/truth.h"
 
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <setjmp.h>
 #include <cmocka.h>
-#include <jansson.h>
 #include <math.h>
 #include <placido/image.h>
 #include <placido/phantom.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #define MERIDIANS 72
 
 static const char *const samples[] = {"sphere",   "normal",        "keratoconus",
                                       "post-prk", "irregular-lid", "disc-normal"};
-
-/* The surface of NAME.truth.json stands in it without a head of its own: a file with one is made.
- */
-static placido_surface *load_truth(const char *name) {
-  char path[1024], copy[] = "/tmp/placido-phantom-XXXXXX";
-  snprintf(path, sizeof path, "%s/samples/%s.truth.json", PLACIDO_TEST_DATA, name);
-  json_t *root = json_load_file(path, 0, NULL);
-  json_t *surface_json = json_object_get(root, "surface");
-  assert_non_null(surface_json);
-  json_object_set_new(surface_json, "format", json_string("placido-surface/1"));
-  json_object_set_new(surface_json, "radius_mm", json_real(5.5));
-  int file = mkstemp(copy);
-  assert_true(file >= 0);
-  close(file);
-  assert_int_equal(json_dump_file(surface_json, copy, 0), 0);
-  placido_surface *surface;
-  placido_error err = {0};
-  assert_int_equal(placido_surface_load(&surface, copy, NULL, &err), PLACIDO_OK);
-  unlink(copy);
-  json_decref(root);
-  return surface;
-}
-
-static placido_instrument load_instrument(const char *name) {
-  char path[1024];
-  placido_instrument instrument;
-  placido_error err = {0};
-  snprintf(path, sizeof path, "%s/samples/%s.instrument.json", PLACIDO_TEST_DATA, name);
-  assert_int_equal(placido_instrument_load(&instrument, path, NULL, &err), PLACIDO_OK);
-  return instrument;
-}
 
 /* Distances of all edges from the principal point along a meridian; NaN where not seen. */
 static void predict(double *distance, const placido_surface *surface,
@@ -104,8 +72,9 @@ static void agrees_with_sample(void **state) {
   char path[1024];
   placido_error err = {0};
   placido_frame sample = {0}, ours = {0};
-  placido_surface *surface = load_truth(name);
-  placido_instrument instrument = load_instrument(name);
+  double axis_z_mm;
+  placido_surface *surface = truth_load(name, &axis_z_mm);
+  placido_instrument instrument = truth_instrument(name);
   placido_disturbance soft = {.blur_px = 0.8};
   snprintf(path, sizeof path, "%s/samples/%s.png", PLACIDO_TEST_DATA, name);
   assert_int_equal(placido_frame_load(&sample, path, &err), PLACIDO_OK);
