@@ -7,8 +7,8 @@
 
 #include <stdbool.h>
 
-/* Edges as a polyline in the half-plane (r, z). Band k lies between edge k and edge k + 1; -1 is
- * the dark inside edge 0, edge_count - 1 the dark beyond the last one. */
+/* Edges as a polyline in the half-plane (r, z). Band k lies between edge k and edge k + 1; -1 lies
+ * inside edge 0, edge_count - 1 beyond the last one. */
 typedef struct placido_phantom_profile {
   const placido_edge *edges; /* borrowed */
   int edge_count;

@@ -92,7 +92,7 @@ void placido_phantom_trace(const placido_phantom_rig *rig, const double normalis
     ray.from[i] -= rig->shift_mm[i];
   }
   if (!meet_cornea(rig->surface, &ray, hit)) {
-    *hit = (placido_phantom_hit){.band = rig->instrument->edge_count - 1};
+    *hit = (placido_phantom_hit){.band = PLACIDO_PHANTOM_NO_BAND};
     return;
   }
   placido_phantom_ray mirrored = reflect(rig, &ray, hit);
@@ -100,6 +100,5 @@ void placido_phantom_trace(const placido_phantom_rig *rig, const double normalis
 }
 
 bool placido_phantom_is_bright(const placido_instrument *instrument, int band) {
-  return band >= 0 && band + 1 < instrument->edge_count &&
-         (band % 2 == 0) == instrument->first_band_bright;
+  return band != PLACIDO_PHANTOM_NO_BAND && (band % 2 == 0) == instrument->first_band_bright;
 }

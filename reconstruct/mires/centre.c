@@ -6,7 +6,12 @@
 #include "base/memory.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
+
+#define INNERMOST 0.3 /* of inner_px: the last window */
+#define SPOTS_FEW 30
+#define VOTERS 20000
 
 /* A place with a strong gradient, and the gradient's direction. */
 typedef struct spot {
@@ -25,10 +30,10 @@ static void gradient(const placido_image *image, int x, int y, double *gx, doubl
   *gy = (double)p[w] - p[-(ptrdiff_t)w];
 }
 
-/* The gradients of every `step`-th pixel within `window` of (cx, cy) that are stronger than twice
- * the window's mean. */
+/* The gradients of every `step`-th pixel within `window` of (cx, cy) that are stronger than
+ * *least, or where that is 0 than 1.5 times the window's mean, which is put there. */
 static int collect(spots *out, const placido_image *image, double cx, double cy, double window,
-                   int step, placido_error *err) {
+                   int step, double *least, placido_error *err) {
   int x0 = (int)fmax(1, cx - window), x1 = (int)fmin(image->width_px - 2, cx + window);
   int y0 = (int)fmax(1, cy - window), y1 = (int)fmin(image->height_px - 2, cy + window);
   out->count = 0;
@@ -53,7 +58,7 @@ static int collect(spots *out, const placido_image *image, double cx, double cy,
       }
     }
   }
-  double limit = 1.5 * sum / (double)most;
+  double limit = *least = *least > 0 ? *least : 1.5 * sum / (double)most;
   size_t kept = 0;
   for (size_t i = 0; i < out->count; i++) {
     spot s = out->list[i];
@@ -72,7 +77,8 @@ static int vote(double centre[2], const placido_image *coarse, double reach, pla
   int w = coarse->width_px, h = coarse->height_px;
   spots all;
   unsigned *votes = NULL;
-  int status = collect(&all, coarse, w / 2.0, h / 2.0, fmax(w, h), 1, err);
+  double least = 0;
+  int status = collect(&all, coarse, w / 2.0, h / 2.0, fmax(w, h), 1, &least, err);
   if (!status && all.count < 50) {
     status = placido_error_set(err, PLACIDO_QUALITY, "no mires: the image has no edges");
   }
@@ -83,7 +89,7 @@ static int vote(double centre[2], const placido_image *coarse, double reach, pla
   if (status) {
     goto done;
   }
-  size_t stride = all.count / 40000 + 1;
+  size_t stride = all.count / VOTERS + 1;
   for (size_t i = 0; i < all.count; i += stride) {
     spot s = all.list[i];
     float size = hypotf(s.gx, s.gy), dx = s.gx / size, dy = s.gy / size;
@@ -138,9 +144,9 @@ static void intersect(double centre[2], const spots *all, double scale) {
 }
 
 int placido_mires_centre(double centre_px[2], const placido_image *plane, double radius_px,
-                         double inner_px, double spacing_px, placido_error *err) {
+                         double inner_px, double narrow_px, placido_error *err) {
   placido_image coarse = {0};
-  int factor = (int)fmax(1, floor(spacing_px / 3));
+  int factor = (int)fmax(1, floor(narrow_px / 3));
   int status = placido_image_new(&coarse, plane->width_px / factor, plane->height_px / factor, 1, err);
   if (!status) {
     status = placido_cv_resize(&coarse, plane, PLACIDO_CV_AREA, err);
@@ -155,17 +161,26 @@ int placido_mires_centre(double centre_px[2], const placido_image *plane, double
   for (int i = 0; i < 2; i++) {
     centre_px[i] = (centre_px[i] + 0.5) * factor - 0.5;
   }
-  for (double window = radius_px / 2; window > inner_px / 1.4; window /= 1.5) {
+  double least = 0;
+  for (double window = radius_px / 2; window > INNERMOST * inner_px; window /= 1.5) {
+    /* The innermost mires of a keratoconic eye run about another point than the outer ones. The
+     * last windows end at the dark disc within them, where nothing is as strong as a mire. */
+    bool last = window < inner_px;
+    least = last ? least : 0;
     spots all;
-    status = collect(&all, plane, centre_px[0], centre_px[1], fmax(window, inner_px),
-                     window > 4 * inner_px ? 2 : 1, err);
+    status = collect(&all, plane, centre_px[0], centre_px[1], window,
+                     window > 6 * inner_px ? 2 : 1, &least, err);
     if (status) {
       return status;
     }
-    for (int pass = 0; pass < 5; pass++) {
-      intersect(centre_px, &all, fmax(1.5, window / 20));
+    bool dark = last && all.count < SPOTS_FEW;
+    for (int pass = 0; pass < 5 && !dark; pass++) {
+      intersect(centre_px, &all, fmax(1.5, window / (last ? 5 : 20)));
     }
     placido_memory_free(all.list);
+    if (dark) {
+      break;
+    }
   }
   return PLACIDO_OK;
 }

@@ -11,6 +11,7 @@
 #define KERNEL 6        /* half length in samples: 3 standard deviations */
 #define SIGMA_SAMPLES 2 /* 1 px */
 #define SECTORS 24      /* blocks of the reference map around the circle */
+#define RING_EDGES 6      /* edges that a block spans */
 #define SHARE 0.3       /* a candidate has at least this share of its block's usual strength */
 
 static void derivative(const float *profile, int count, float *out) {
@@ -51,8 +52,9 @@ static size_t extrema(const float *d, int count, int meridian, placido_crossing 
   return found;
 }
 
-/* The usual strength per block of (sector, ring): the 70 % quantile of the extrema in it, but not
- * less than a fifth of what is usual where mires are to be expected. */
+/* The usual strength per block of (sector, ring): were all its edges seen, the strongest
+ * quarter of them would reach it; flat eyes show fewer, lashes and lids hide some. Noise makes far more extrema than mires do, so it is the rank from the top
+ * that counts. Not less than a fifth of what is usual where mires are to be expected. */
 typedef struct reference {
   double ring_px;
   int rings;
@@ -65,9 +67,15 @@ static size_t block_of(const reference *ref, const placido_crossing *c, int meri
   return (size_t)sector * (size_t)ref->rings + (size_t)(ring < ref->rings ? ring : ref->rings - 1);
 }
 
+/* The strength that a quarter as many of `count` values reach as there are edges to expect. */
+static double usual_strength(double *values, size_t count, double edges) {
+  double share = count ? 1 - 0.25 * edges / (double)count : 0;
+  return placido_quantile(values, count, fmax(share, 0));
+}
+
 static int reference_new(reference *ref, const placido_crossings *all, double spacing_px,
                          double reach_px, double far_px, placido_error *err) {
-  ref->ring_px = 6 * spacing_px;
+  ref->ring_px = RING_EDGES * spacing_px;
   ref->rings = (int)(far_px / ref->ring_px) + 1;
   size_t blocks = (size_t)SECTORS * (size_t)ref->rings;
   double *values = placido_memory_new(all->count, sizeof *values, err);
@@ -82,7 +90,8 @@ static int reference_new(reference *ref, const placido_crossings *all, double sp
         values[near++] = fabs(all->list[i].slope);
       }
     }
-    double floor_strength = 0.2 * placido_quantile(values, near, 0.7);
+    double meridians = all->meridians;
+    double floor_strength = 0.2 * usual_strength(values, near, meridians * reach_px / spacing_px);
     for (size_t b = 0; b < blocks; b++) {
       starts[b + 1] += starts[b];
     }
@@ -91,7 +100,8 @@ static int reference_new(reference *ref, const placido_crossings *all, double sp
       values[starts[b]++] = fabs(all->list[i].slope);
     }
     for (size_t b = 0, start = 0; b < blocks; start = starts[b++]) {
-      double usual = placido_quantile(values + start, starts[b] - start, 0.7);
+      double usual = usual_strength(values + start, starts[b] - start,
+                                    meridians / SECTORS * RING_EDGES);
       ref->strength[b] = usual > floor_strength ? usual : floor_strength;
     }
   }

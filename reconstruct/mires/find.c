@@ -20,6 +20,7 @@ typedef struct yardstick {
   double inner_px;   /* out to the first few edges */
   double reach_px;   /* out to the last edge */
   double spacing_px; /* the usual distance between edges */
+  double narrow_px;  /* the least */
 } yardstick;
 
 #define ORDINARY_CORNEA_MM 7.8
@@ -40,8 +41,12 @@ static int yardstick_of(yardstick *out, const placido_instrument *instrument,
                              seen, n, ORDINARY_CORNEA_MM);
   }
   out->reach_px = out->expected_px[seen - 1];
-  out->inner_px = out->expected_px[seen < 6 ? seen - 1 : 5];
+  out->inner_px = 1.2 * out->expected_px[1];
   out->spacing_px = (out->reach_px - out->expected_px[0]) / (seen - 1);
+  out->narrow_px = out->reach_px;
+  for (int k = 1; k < seen; k++) {
+    out->narrow_px = fmin(out->narrow_px, out->expected_px[k] - out->expected_px[k - 1]);
+  }
   if (!(out->spacing_px > 1)) {
     return placido_error_set(err, PLACIDO_INPUT,
                              "instrument: its edges would be %.2f px apart in the image, from the "
@@ -147,7 +152,7 @@ int placido_mires_find(placido_mires *mires, const placido_frame *frame,
   if (status || (status = yardstick_of(&yard, instrument, err)) ||
       (status = placido_mires_plane(&plane, frame, err)) ||
       (status = placido_mires_centre(centre, &plane, yard.reach_px, yard.inner_px,
-                                     yard.spacing_px, err)) ||
+                                     yard.narrow_px, err)) ||
       (status = placido_polar_new(&polar, &plane, centre, FLATTEST * yard.reach_px, linked,
                                   threads, err)) ||
       (status = placido_crossings_find(&crossings, &polar, yard.spacing_px, yard.reach_px, threads,

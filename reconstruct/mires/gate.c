@@ -11,6 +11,7 @@
 #define HEIGHT_TOLERANCE 0.35 /* least; noisy pictures get up to twice as much */
 #define WIDTH_TOLERANCE 0.25
 #define BLOCK_FEW 8       /* fewer members of an edge say nothing */
+#define COMPANY_EDGES 2   /* how far the nearest other edge may be */
 #define BLOCK_EDGES_FEW 3 /* with fewer edges there is nothing to compare with: a lid's border stands alone */
 
 /* What is usual around a block, and how far from it is still ordinary, as shares. */
@@ -107,6 +108,36 @@ static void drop_marked(const table *t, placido_crossings *all) {
   }
 }
 
+/* Whether another edge of the same mire or its neighbours is seen beside a crossing. */
+static bool has_company(const table *t, const placido_crossings *all, int edge, int meridian) {
+  for (int k = edge - COMPANY_EDGES; k <= edge + COMPANY_EDGES; k++) {
+    for (int m = meridian - 1; m <= meridian + 1; m++) {
+      size_t at = k >= 0 && k < t->edges && k != edge ? *cell(t, k, m) : 0;
+      if (at && all->list[at - 1].edge == k) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/* Drops what stands alone: the reflection of a wet lid is an edge too, but none runs beside it. */
+static void drop_lonely(const table *t, placido_crossings *all) {
+  for (int k = 0; k < t->edges; k++) {
+    for (int m = 0; m < t->meridians; m++) {
+      size_t at = *cell(t, k, m);
+      if (at && all->list[at - 1].edge == k && !has_company(t, all, k, m)) {
+        all->list[at - 1].sigma_px = -fabs(all->list[at - 1].sigma_px);
+      }
+    }
+  }
+  for (size_t i = 0; i < all->count; i++) {
+    if (all->list[i].sigma_px < 0) {
+      all->list[i].edge = -1;
+    }
+  }
+}
+
 int placido_crossings_gate(placido_crossings *crossings, int edge_count, placido_error *err) {
   table t = {.edges = edge_count, .meridians = crossings->meridians};
   int step = (int)fmax(1, round(BLOCK_DEG * crossings->meridians / 360.0));
@@ -129,6 +160,7 @@ int placido_crossings_gate(placido_crossings *crossings, int edge_count, placido
       }
     }
     drop_marked(&t, crossings);
+    drop_lonely(&t, crossings);
   }
   placido_memory_free(t.at);
   placido_memory_free(heights);

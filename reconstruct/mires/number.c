@@ -1,91 +1,26 @@
-/* Numbering in two steps. First relative: of two chains that follow each other outwards and turn
- * opposite ways the outer one is one more; what hangs together by votes is a component (the gaps
- * of a cone's seam cut the mires in two). Then absolute: the component that shows the innermost
- * mire round the centre begins with edge 0, and the others are laid against it. */
+/* Absolute numbers: the component that shows the innermost mire round the centre begins with edge
+ * 0, and the others (the gaps of a cone's seam cut the mires in two) are laid against it. */
 #include "reconstruct/mires/number.h"
 
 #include "base/memory.h"
+#include "reconstruct/median.h"
+#include "reconstruct/mires/components.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <string.h>
 
-#define VOTES_MIN 3
-#define AGREEMENT 0.7       /* share of the votes that must say the same */
-#define GAP_LOOK 3          /* edges either side in which the widest step is looked for */
-#define GAP_MOST 1.7        /* of that step; with a pair missing it would be twice as wide or more */
-#define RELATIVE_MAX 512    /* relative numbers lie within ± this */
 #define ANCHOR_SHARE 0.5    /* of its neighbours' length and strength that the innermost edge must have */
 #define ANCHOR_NEIGHBOURS 4
+#define ANCHOR_PATTERN 8    /* edges whose pattern tells a flat cornea from a missed mire */
 #define ROUND_SHARE 0.25    /* of the circle on which the innermost edge must be seen */
 #define ARC_SHARE 0.1       /* of the circle that it must run without a break: squares do not */
+#define INSIDE_STRONG 0.5   /* of the innermost edge's strength: as strong an edge within it is a mire */
+#define INSIDE_MOST 0.05    /* share of the meridians on which one may be seen */
+#define PASSES 4
 #define MATCH_LOG 0.15      /* mean |log radius ratio| up to which two components agree */
 
 static bool edge_rises(const placido_instrument *instrument, int edge) {
   return (edge % 2 == 0) == instrument->first_band_bright;
-}
-
-/* "Chain `outer` follows chain `inner` outwards", and on how many meridians that is seen. */
-typedef struct follows {
-  int inner, outer, votes;
-} follows;
-
-static int by_pair(const void *a, const void *b) {
-  const follows *x = a, *y = b;
-  return x->inner != y->inner ? (x->inner > y->inner) - (x->inner < y->inner)
-                              : (x->outer > y->outer) - (x->outer < y->outer);
-}
-
-/* The widest step between edges that an ordinary cornea shows about this radius. */
-static double widest_gap(const placido_instrument *instrument, const double *expected_px,
-                         double radius_px) {
-  int k = 0, last = instrument->edge_count - 1;
-  while (k < last && expected_px[k] < radius_px) {
-    k++;
-  }
-  double widest = 0;
-  for (int i = k - GAP_LOOK; i < k + GAP_LOOK; i++) {
-    if (i >= 0 && i < last && isfinite(expected_px[i + 1])) {
-      widest = fmax(widest, expected_px[i + 1] - expected_px[i]);
-    }
-  }
-  /* outwards of everything expected, the last steps tell */
-  for (int i = last - 1; i > 0 && widest == 0; i--) {
-    widest = isfinite(expected_px[i + 1]) ? expected_px[i + 1] - expected_px[i] : 0;
-  }
-  return widest;
-}
-
-/* Lists every pair of chains that follow each other, with votes. Where the step is so wide that a
- * pair of edges may have been missed between them, they do not vote. */
-static int follows_new(follows **list, size_t *count, const placido_crossings *all,
-                       const placido_instrument *instrument, const double *expected_px,
-                       placido_error *err) {
-  *count = 0;
-  *list = placido_memory_new(all->count, sizeof **list, err);
-  if (!*list) {
-    return PLACIDO_MEMORY;
-  }
-  for (int m = 0; m < all->meridians; m++) {
-    for (size_t i = all->first[m]; i + 1 < all->first[m + 1]; i++) {
-      const placido_crossing *a = &all->list[i], *b = a + 1;
-      if (a->chain >= 0 && b->chain >= 0 && (a->slope > 0) != (b->slope > 0) &&
-          b->radius_px - a->radius_px <
-              GAP_MOST * widest_gap(instrument, expected_px, a->radius_px)) {
-        (*list)[(*count)++] = (follows){a->chain, b->chain, 1};
-      }
-    }
-  }
-  qsort(*list, *count, sizeof **list, by_pair);
-  size_t kept = 0;
-  for (size_t i = 0; i < *count; i++) {
-    if (kept && by_pair(&(*list)[kept - 1], &(*list)[i]) == 0) {
-      (*list)[kept - 1].votes++;
-    } else {
-      (*list)[kept++] = (*list)[i];
-    }
-  }
-  *count = kept;
-  return PLACIDO_OK;
 }
 
 /* What is known of one relative number of a component. */
@@ -97,13 +32,11 @@ typedef struct ring {
   bool rising;
 } ring;
 
-/* Chains whose relative numbers hang together. */
-typedef struct component {
-  int low, high; /* relative numbers present */
-  int length;    /* of all chains */
-  int offset;    /* absolute = relative + offset, once placed */
+/* Where a component has been laid. */
+typedef struct place_of {
+  int offset; /* absolute = relative + offset */
   bool placed;
-} component;
+} place_of;
 
 /* The state of the numbering. */
 typedef struct numbering {
@@ -111,96 +44,15 @@ typedef struct numbering {
   const placido_crossings *crossings;
   const placido_instrument *instrument;
   const double *expected_px;
-  follows *pairs;
-  size_t pair_count;
-  int *member;   /* component of a chain, -1: none */
-  int *relative; /* its relative number there */
-  int *tally;    /* votes for relative numbers, 2 RELATIVE_MAX + 1 */
-  component *components;
-  int component_count;
+  placido_components components;
+  place_of *places; /* one a component, room for one a chain */
 } numbering;
-
-/* The relative number that the members of component `c` give chain `index`, and by how many votes;
- * 0 votes where they are few or disagree. */
-static int elect(numbering *n, int index, int c, int *votes) {
-  int total = 0, best = 0, low = RELATIVE_MAX, high = -RELATIVE_MAX;
-  *votes = 0;
-  for (int pass = 0; pass < 2; pass++) {
-    for (size_t i = 0; i < n->pair_count; i++) {
-      const follows *f = &n->pairs[i];
-      int other = f->outer == index ? f->inner : f->inner == index ? f->outer : -1;
-      if (other < 0 || n->member[other] != c) {
-        continue;
-      }
-      int number = n->relative[other] + (f->outer == index ? 1 : -1);
-      int *count = &n->tally[number + RELATIVE_MAX];
-      if (pass == 1) {
-        *count = 0; /* leaves the tally clean */
-        continue;
-      }
-      *count += f->votes;
-      total += f->votes;
-      low = number < low ? number : low;
-      high = number > high ? number : high;
-      if (*count > *votes) {
-        *votes = *count;
-        best = number;
-      }
-    }
-  }
-  if (*votes < VOTES_MIN || *votes < AGREEMENT * total || abs(best) >= RELATIVE_MAX) {
-    *votes = 0;
-  }
-  return best;
-}
-
-/* Grows component `c` from chain `root`: always the chain with the most votes next, so that
- * doubtful ones are judged by the most neighbours. */
-static void grow(numbering *n, int root, int c) {
-  component *here = &n->components[c];
-  int chosen = root, number = 0;
-  while (chosen >= 0) {
-    n->member[chosen] = c;
-    n->relative[chosen] = number;
-    here->length += n->chains->list[chosen].length;
-    here->low = number < here->low ? number : here->low;
-    here->high = number > here->high ? number : here->high;
-    int most = 0;
-    chosen = -1;
-    for (int i = 0; i < n->chains->count; i++) {
-      int votes = 0;
-      int elected = n->member[i] < 0 ? elect(n, i, c, &votes) : 0;
-      if (votes > most) {
-        chosen = i;
-        number = elected;
-        most = votes;
-      }
-    }
-  }
-}
-
-/* Splits the chains into components, each from its longest chain. */
-static void split(numbering *n) {
-  for (;;) {
-    int root = -1;
-    for (int i = 0; i < n->chains->count; i++) {
-      if (n->member[i] < 0 &&
-          (root < 0 || n->chains->list[i].length > n->chains->list[root].length)) {
-        root = i;
-      }
-    }
-    if (root < 0 || n->chains->list[root].length * 20 < n->crossings->meridians) {
-      return;
-    }
-    grow(n, root, n->component_count++);
-  }
-}
 
 static ring ring_of(const numbering *n, int c, int relative) {
   ring r = {0};
   for (size_t i = 0; i < n->crossings->count; i++) {
     const placido_crossing *x = &n->crossings->list[i];
-    if (x->chain >= 0 && n->member[x->chain] == c && n->relative[x->chain] == relative) {
+    if (x->chain >= 0 && n->components.member[x->chain] == c && n->components.relative[x->chain] == relative) {
       int chain = n->chains->list[x->chain].length;
       r.length++;
       r.longest = chain > r.longest ? chain : r.longest;
@@ -226,15 +78,30 @@ static bool stands_out(const numbering *n, int c, int relative) {
          here.strength / here.length >= ANCHOR_SHARE * strength;
 }
 
+/* How unevenly the innermost edges lie to those expected if relative number `first` is edge
+ * `edge`: range of log(radius / expected) over them. INFINITY where fewer than 3 can be told. */
+static double unevenness(const numbering *n, int c, int first, int edge) {
+  double low = INFINITY, high = -INFINITY;
+  int told = 0;
+  for (int k = 0; k < ANCHOR_PATTERN && edge + k < n->instrument->edge_count; k++) {
+    ring r = ring_of(n, c, first + k);
+    double expected = n->expected_px[edge + k];
+    if (r.length && isfinite(expected)) {
+      double ratio = log(r.radius / r.length / expected);
+      low = fmin(low, ratio);
+      high = fmax(high, ratio);
+      told++;
+    }
+  }
+  return told >= 3 ? high - low : INFINITY;
+}
+
 /* The relative number of edge 0 in a component, if it shows the innermost mire where an eye can
  * have it. */
 static bool find_anchor(const numbering *n, int c, int *anchor) {
   const double *e = n->expected_px;
-  double low = 0.35 * e[0], high = 1.6 * e[0];
-  if (n->instrument->edge_count > 2 && isfinite(e[2])) {
-    high = 0.5 * (e[0] + e[2]); /* beyond, it is rather edge 2 */
-  }
-  for (int k = n->components[c].low; k < n->components[c].high; k++) {
+  double low = 0.35 * e[0], high = 1.7 * e[0];
+  for (int k = n->components.list[c].low; k < n->components.list[c].high; k++) {
     ring r = ring_of(n, c, k);
     double radius = r.radius / r.length;
     if (r.length && radius > high) {
@@ -242,6 +109,10 @@ static bool find_anchor(const numbering *n, int c, int *anchor) {
     }
     if (stands_out(n, c, k) && r.rising == edge_rises(n->instrument, 0) && radius > low) {
       *anchor = k;
+      if (n->instrument->edge_count > 2 && radius > 0.5 * (e[0] + e[2]) &&
+          unevenness(n, c, k, 2) < unevenness(n, c, k, 0)) {
+        return false; /* so far out it is rather edge 2, unless the pattern speaks for a flat eye */
+      }
       return r.length >= ROUND_SHARE * n->crossings->meridians &&
              r.longest >= ARC_SHARE * n->crossings->meridians;
     }
@@ -254,9 +125,8 @@ static bool find_anchor(const numbering *n, int c, int *anchor) {
 static double disagreement(const numbering *n, int c, int offset, int reference) {
   double sum = 0;
   int shared = 0;
-  const component *ref = &n->components[reference];
-  for (int k = n->components[c].low; k <= n->components[c].high && shared < 6; k++) {
-    ring a = ring_of(n, c, k), b = ring_of(n, reference, k + offset - ref->offset);
+    for (int k = n->components.list[c].low; k <= n->components.list[c].high && shared < 6; k++) {
+    ring a = ring_of(n, c, k), b = ring_of(n, reference, k + offset - n->places[reference].offset);
     if (a.length > n->crossings->meridians / 36 && b.length > n->crossings->meridians / 36) {
       sum += fabs(log(a.radius / a.length * b.length / b.radius));
       shared++;
@@ -266,8 +136,9 @@ static double disagreement(const numbering *n, int c, int offset, int reference)
 }
 
 /* Lays a component against the reference where one offset fits clearly best. */
-static void place(numbering *n, int c, int reference) {
-  component *here = &n->components[c];
+static void lay_against(numbering *n, int c, int reference) {
+  const placido_component *here = &n->components.list[c];
+  place_of *place = &n->places[c];
   int parity = ring_of(n, c, here->low).rising == edge_rises(n->instrument, 0) ? 0 : 1;
   double best = INFINITY, second = INFINITY;
   for (int first = parity - 4; first < n->instrument->edge_count; first += 2) {
@@ -275,32 +146,32 @@ static void place(numbering *n, int c, int reference) {
     if (d < best) {
       second = best;
       best = d;
-      here->offset = first - here->low;
+      place->offset = first - here->low;
     } else if (d < second) {
       second = d;
     }
   }
-  here->placed = best < MATCH_LOG && second > 1.5 * best;
+  place->placed = best < MATCH_LOG && second > 1.5 * best;
 }
 
 /* Finds the reference and places everything. Returns false where no component shows the innermost mire. */
 static bool anchor_all(numbering *n) {
   int reference = -1;
-  for (int c = 0; c < n->component_count; c++) {
+  for (int c = 0; c < n->components.count; c++) {
     int anchor;
     if (find_anchor(n, c, &anchor) &&
-        (reference < 0 || n->components[c].length > n->components[reference].length)) {
+        (reference < 0 || n->components.list[c].length > n->components.list[reference].length)) {
       reference = c;
-      n->components[c].offset = -anchor;
+      n->places[c].offset = -anchor;
     }
   }
   if (reference < 0) {
     return false;
   }
-  n->components[reference].placed = true;
-  for (int c = 0; c < n->component_count; c++) {
+  n->places[reference].placed = true;
+  for (int c = 0; c < n->components.count; c++) {
     if (c != reference) {
-      place(n, c, reference);
+      lay_against(n, c, reference);
     }
   }
   return true;
@@ -324,8 +195,9 @@ static void enforce_order(placido_crossings *all, const placido_chains *chains, 
 /* Writes the numbers into chains and crossings. */
 static void hand_out(const numbering *n, placido_crossings *crossings) {
   for (int i = 0; i < n->chains->count; i++) {
-    const component *c = n->member[i] >= 0 ? &n->components[n->member[i]] : NULL;
-    int edge = c && c->placed ? n->relative[i] + c->offset : -1;
+    const place_of *p =
+        n->components.member[i] >= 0 ? &n->places[n->components.member[i]] : NULL;
+    int edge = p && p->placed ? n->components.relative[i] + p->offset : -1;
     bool possible = edge >= 0 && edge < n->instrument->edge_count;
     n->chains->list[i].edge = possible ? edge : -1;
   }
@@ -338,6 +210,62 @@ static void hand_out(const numbering *n, placido_crossings *crossings) {
   }
 }
 
+/* Median of radius / expected over the numbered crossings: how much larger than in an ordinary
+ * cornea the mires are. `work` holds as many numbers as there are crossings. */
+static double scale_of(const numbering *n, double *work) {
+  size_t count = 0;
+  for (size_t i = 0; i < n->crossings->count; i++) {
+    const placido_crossing *x = &n->crossings->list[i];
+    if (x->edge >= 0 && isfinite(n->expected_px[x->edge])) {
+      work[count++] = x->radius_px / n->expected_px[x->edge];
+    }
+  }
+  return count ? placido_quantile(work, count, 0.5) : 1;
+}
+
+/* Share of the meridians on which an edge nearly as strong as the innermost mire's, and turning the other
+ * way as a mire's far side does, lies within it. A small bright spot in the middle is the
+ * reflection of a lamp and no such edge. */
+static double share_inside(const numbering *n, const placido_crossings *crossings) {
+  double strength = 0, least = 0.35 * n->expected_px[0];
+  size_t count = 0;
+  int disturbed = 0;
+  for (size_t i = 0; i < crossings->count; i++) {
+    if (crossings->list[i].edge == 0) {
+      strength += fabs(crossings->list[i].slope);
+      count++;
+    }
+  }
+  for (int m = 0; m < crossings->meridians; m++) {
+    bool strong = false, round = false;
+    for (size_t i = crossings->first[m]; i < crossings->first[m + 1] && !round; i++) {
+      const placido_crossing *x = &crossings->list[i];
+      round = x->edge >= 0;
+      strong |= !round && x->radius_px > least &&
+                (x->slope > 0) != edge_rises(n->instrument, 0) &&
+                fabs(x->slope) > INSIDE_STRONG * strength / (double)count;
+    }
+    disturbed += strong && round;
+  }
+  return (double)disturbed / crossings->meridians;
+}
+
+/* One pass at a scale; *found is false where nothing can be numbered. */
+static int number_at(numbering *n, placido_crossings *crossings, double scale, bool *found,
+                     placido_error *err) {
+  placido_components_free(&n->components);
+  int status = placido_components_find(&n->components, n->chains, crossings, n->instrument,
+                                       n->expected_px, scale, err);
+  if (!status) {
+    memset(n->places, 0, (size_t)n->chains->count * sizeof *n->places);
+    *found = anchor_all(n);
+    if (*found) {
+      hand_out(n, crossings);
+    }
+  }
+  return status;
+}
+
 int placido_chains_number(placido_chains *chains, placido_crossings *crossings,
                           const placido_instrument *instrument, const double *expected_px,
                           placido_error *err) {
@@ -346,31 +274,30 @@ int placido_chains_number(placido_chains *chains, placido_crossings *crossings,
                  .instrument = instrument,
                  .expected_px = expected_px};
   size_t count = (size_t)chains->count;
-  int status = follows_new(&n.pairs, &n.pair_count, crossings, instrument, expected_px, err);
-  if (!status) {
-    n.member = placido_memory_new(count, sizeof *n.member, err);
-    n.relative = placido_memory_new(count, sizeof *n.relative, err);
-    n.tally = placido_memory_new(2 * RELATIVE_MAX + 1, sizeof *n.tally, err);
-    n.components = placido_memory_new(count, sizeof *n.components, err);
-    status = n.member && n.relative && n.tally && n.components ? PLACIDO_OK : PLACIDO_MEMORY;
+  n.places = placido_memory_new(count, sizeof *n.places, err);
+  double *work = placido_memory_new(crossings->count, sizeof *work, err);
+  int status = n.places && work ? PLACIDO_OK : PLACIDO_MEMORY;
+  /* the steps allowed between edges follow the size of the mires, which the innermost tell */
+  double scale = 1, before = 0;
+  bool found = true;
+  for (int pass = 0; pass < PASSES && found && fabs(scale - before) > 0.03 && !status; pass++) {
+    before = scale;
+    status = number_at(&n, crossings, scale, &found, err);
+    scale = !status && found ? scale_of(&n, work) : scale;
   }
-  if (!status) {
-    for (size_t i = 0; i < count; i++) {
-      n.member[i] = -1;
-    }
-    split(&n);
-    if (anchor_all(&n)) {
-      hand_out(&n, crossings);
-    } else {
-      status = placido_error_set(err, PLACIDO_QUALITY,
-                                 "no mires, or the innermost one is not seen on a quarter of the "
-                                 "circle: nothing can be numbered");
-    }
+  if (!status && !found) {
+    status = placido_error_set(err, PLACIDO_QUALITY,
+                               "no mires, or the innermost one is not seen on a quarter of the "
+                               "circle: nothing can be numbered");
   }
-  placido_memory_free(n.pairs);
-  placido_memory_free(n.member);
-  placido_memory_free(n.relative);
-  placido_memory_free(n.tally);
-  placido_memory_free(n.components);
+  if (!status && share_inside(&n, crossings) > INSIDE_MOST) {
+    status = placido_error_set(err, PLACIDO_QUALITY,
+                               "another edge lies within the innermost mire that was found, on "
+                               "%.0f %% of the meridians: the mires cannot be numbered safely",
+                               100 * share_inside(&n, crossings));
+  }
+  placido_components_free(&n.components);
+  placido_memory_free(n.places);
+  placido_memory_free(work);
   return status;
 }
