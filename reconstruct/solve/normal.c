@@ -233,16 +233,30 @@ static void select_inverse(const cholmod_factor *f, double *z, double *work, int
       work[a] = 0;
     }
     for (int a = 1; a < count; a++) {
-      int k = rows[start + a];
-      double lkj = l[start + a] / pivot;
-      work[a] -= z[p[k]] * lkj;
-      for (int b = 1; b < lengths[k]; b++) {
-        int at = position[rows[p[k] + b]];
-        if (at > 0) {
-          work[at] -= z[p[k] + b] * lkj;
-          work[a] -= z[p[k] + b] * l[start + at] / pivot;
+      /* what is left of this column's pattern is part of column k's: the pattern of a factor is a
+       * clique. Where it is all of it, the two run side by side. */
+      int k = rows[start + a], rest = count - a - 1;
+      const double *zk = z + p[k] + 1;
+      double lkj = l[start + a] / pivot, sum = z[p[k]] * l[start + a];
+      if (lengths[k] - 1 == rest) {
+        double *below = work + a + 1;
+        const double *lower = l + start + a + 1;
+        for (int b = 0; b < rest; b++) {
+          below[b] -= zk[b] * lkj;
+          sum += zk[b] * lower[b];
+        }
+      } else {
+        const int *rows_k = rows + p[k] + 1;
+        for (int b = 0, left = rest; left > 0; b++) {
+          int at = position[rows_k[b]];
+          if (at > 0) {
+            work[at] -= zk[b] * lkj;
+            sum += zk[b] * l[start + at];
+            left--;
+          }
         }
       }
+      work[a] -= sum / pivot;
     }
     double diagonal = 1 / (pivot * pivot);
     for (int a = 1; a < count; a++) {
