@@ -74,15 +74,18 @@ static int look_through(struct search *search, placido_device *device, long want
 static int conclude(const struct search *search, const char *uri, long wanted,
                     placido_notes *notes, placido_error *err) {
   const placido_choice *choice = &search->choice;
-  if (!search->found && wanted >= 0 && choice->frames > 0) {
+  if (!search->found && wanted >= choice->frames && choice->frames > 0) {
     return placido_error_set(err, PLACIDO_INPUT,
-                             "%s: frame %ld cannot be read: there are %ld, counted from 0, %ld of "
-                             "them damaged",
-                             uri, wanted, choice->frames, choice->damaged);
+                             "%s has no frame %ld: it has %ld, counted from 0", uri, wanted,
+                             choice->frames);
+  }
+  if (!search->found && wanted >= 0 && choice->frames > 0) {
+    return placido_error_set(err, PLACIDO_INPUT, "%s: frame %ld is damaged and cannot be decoded",
+                             uri, wanted);
   }
   if (!search->found) {
     return placido_error_set(err, PLACIDO_INPUT,
-                             "%s: holds no frame that can be read (%ld damaged)", uri,
+                             "%s: holds no frame that can be read (%ld are damaged)", uri,
                              choice->damaged);
   }
   if (choice->damaged > 0) {

@@ -38,6 +38,20 @@ int placido_temporary_name(char *out, const char *path, int attempt, const char 
   return PLACIDO_OK;
 }
 
+void placido_temporary_hide(char *text) {
+  char mark[32];
+  int length = snprintf(mark, sizeof mark, ".%ld-", (long)getpid());
+  for (char *at = text; length > 0 && (at = strstr(at, mark));) {
+    const char *end = at + length;
+    end += strspn(end, "0123456789");
+    if (strncmp(end, ".tmp", 4) == 0) {
+      memmove(at, end + 4, strlen(end + 4) + 1);
+    } else {
+      at++;
+    }
+  }
+}
+
 static int refuse_write(const char *path, int cause, placido_error *err) {
   return placido_error_set(err, PLACIDO_SYSTEM, "cannot write %s: %s", placido_text_tail(path),
                            strerror(cause));
@@ -114,11 +128,31 @@ static int refuse_read(const char *path, int cause, placido_error *err) {
                            strerror(cause));
 }
 
+/* Opens without waiting: a named pipe to which nobody writes is empty, not a reason to hang. What
+ * is read from it afterwards may be waited for, as always. */
+static FILE *open_at_once(const char *path) {
+  int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) {
+    return NULL;
+  }
+  int flags = fcntl(descriptor, F_GETFL);
+  FILE *stream = NULL;
+  if (flags >= 0 && fcntl(descriptor, F_SETFL, flags & ~O_NONBLOCK) == 0) {
+    stream = fdopen(descriptor, "rb");
+  }
+  if (!stream) {
+    int cause = errno;
+    close(descriptor);
+    errno = cause;
+  }
+  return stream;
+}
+
 /* Opens a file for reading and guesses its size (pipes have none). */
 static int open_for_reading(FILE **stream, size_t *expected, const char *path,
                             placido_error *err) {
   *expected = READ_STEP;
-  *stream = fopen(path, "rb");
+  *stream = open_at_once(path);
   if (!*stream) {
     return refuse_read(path, errno, err);
   }

@@ -9,9 +9,23 @@
 #include <string.h>
 
 #define SIDE_MAX_PX 65536
+#define PIXELS_MAX ((uint64_t)1 << 28) /* a few bytes must not ask for gigabytes */
 
 static int refuse(const char *name, const char *reason, placido_error *err) {
   return placido_error_set(err, PLACIDO_INPUT, "%s: %s", placido_text_tail(name), reason);
+}
+
+/* Whether an image of this size may be decoded. */
+static int check_size(uint64_t width, uint64_t height, const char *name, placido_error *err) {
+  if (width < 1 || height < 1) {
+    return refuse(name, "the image has a width or height of 0", err);
+  }
+  if (width > SIDE_MAX_PX || height > SIDE_MAX_PX) {
+    return refuse(name, "the image is wider or higher than 65536 pixels", err);
+  }
+  return width * height > PIXELS_MAX
+             ? refuse(name, "the image has more than 268,435,456 pixels", err)
+             : PLACIDO_OK;
 }
 
 static uint32_t big_endian(const unsigned char *p) {
@@ -44,8 +58,9 @@ static int check_png(placido_image_kind *kind, const unsigned char *bytes, size_
   if (size < header + frame + 13 || memcmp(bytes + header + 4, "IHDR", 4) != 0) {
     return refuse(name, "the PNG file has no header", err);
   }
-  if (big_endian(bytes + 16) > SIDE_MAX_PX || big_endian(bytes + 20) > SIDE_MAX_PX) {
-    return refuse(name, "the image is wider or higher than 65536 pixels", err);
+  const int status = check_size(big_endian(bytes + 16), big_endian(bytes + 20), name, err);
+  if (status != PLACIDO_OK) {
+    return status;
   }
   const unsigned char alpha_bit = 4, palette = 3;
   kind->alpha = (bytes[25] & alpha_bit) || bytes[25] == palette;
@@ -142,7 +157,7 @@ static int check_pnm(placido_image_kind *kind, const unsigned char *bytes, size_
     return refuse(name, "the PNM file is cut off", err);
   }
   kind->full_scale = bitmap ? 0 : (int)white;
-  return PLACIDO_OK;
+  return check_size((uint64_t)width, (uint64_t)height, name, err);
 }
 
 int placido_image_check(placido_image_kind *kind, const unsigned char *bytes, size_t size,

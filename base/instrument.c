@@ -13,6 +13,8 @@
  * numbers stay far from overflow. */
 #define LENGTH_MAX_MM 1e6
 #define FOCAL_MAX_PX 1e9
+/* Even the limbus (some 2 mm back, sloping at 45 degrees) mirrors nothing from farther behind. */
+#define EDGE_MIN_MM (-10.0)
 
 static int read_length(const placido_json *json, const char *path, double *value_mm,
                        placido_error *err) {
@@ -158,7 +160,16 @@ static int read_edge(placido_edge *edge, const placido_json *json, size_t index,
     status = placido_json_refuse(json, radius_path, err, "%g mm must be positive",
                                  edge->radius_mm);
   }
-  return status ? status : read_length(json, z_path, &edge->z_mm, err);
+  if (!status) {
+    status = read_length(json, z_path, &edge->z_mm, err);
+  }
+  if (!status && edge->z_mm < EDGE_MIN_MM) {
+    status = placido_json_refuse(json, z_path, err,
+                                 "%g mm: the edge lies behind the cornea (%g mm or more is "
+                                 "expected)",
+                                 edge->z_mm, EDGE_MIN_MM);
+  }
+  return status;
 }
 
 static int read_mires(placido_instrument *instrument, const placido_json *json,

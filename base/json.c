@@ -31,8 +31,9 @@ static int refuse_syntax(const placido_json *json, size_t size, const json_error
                              name);
   }
   int line = cause->line > 0 ? cause->line : 1, column = cause->column > 0 ? cause->column : 1;
-  return placido_error_set(err, PLACIDO_INPUT, "%s:%d:%d: not valid JSON: %s", name, line, column,
-                           cause->text);
+  bool encoding = json_error_code(cause) == json_error_invalid_utf8;
+  return placido_error_set(err, PLACIDO_INPUT, "%s:%d:%d: not valid JSON: %s%s", name, line, column,
+                           cause->text, encoding ? " (UTF-8 is expected)" : "");
 }
 
 /* The words of the format's name, without its version. */
@@ -63,6 +64,17 @@ static int check_format(const placido_json *json, const char *expected, placido_
                            line, same_name ? "version" : "format", found, expected);
 }
 
+/* Moves the text over a byte order mark, which RFC 8259 (section 8.1) lets a reader ignore and some
+ * editors write; returns its length. */
+static size_t skip_mark(char *text, size_t size) {
+  const size_t mark = 3;
+  if (size < mark || memcmp(text, "\xef\xbb\xbf", mark) != 0) {
+    return 0;
+  }
+  memmove(text, text + mark, size - mark + 1);
+  return mark;
+}
+
 int placido_json_load(placido_json **json, const char *path, const char *format,
                       placido_error *err) {
   *json = NULL;
@@ -77,6 +89,7 @@ int placido_json_load(placido_json **json, const char *path, const char *format,
   if (status) {
     goto fail;
   }
+  size -= skip_mark(loaded->text, size);
   loaded->root = json_loadb(loaded->text, size, JSON_REJECT_DUPLICATES, &cause);
   status = loaded->root ? check_format(loaded, format, err)
                         : refuse_syntax(loaded, size, &cause, err);

@@ -11,4 +11,8 @@
 int placido_temporary_name(char *out, const char *path, int attempt, const char *ending,
                            placido_error *err);
 
+/* Takes the temporary part out of every such name of this process in a message: what a person reads
+ * is the name that was asked for. */
+void placido_temporary_hide(char *text);
+
 #endif

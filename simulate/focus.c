@@ -1,298 +1,200 @@
 /* Search of the best focus in power-vector form: vergence behind the cornea, J0, J45.
  *
  * What people choose as best focus is a peak, not the least spread: at 8 mm the two are over a
- * dioptre apart. So the search makes as much light as possible lie close together (light.c). It
- * starts from the analytic answer for parts of the pupil (the slopes of the rays there are linear
- * in position, and the linear terms are the powers), because the peak comes from the part that one
- * focus suits best, and with a cone that need not be the middle. The best starts are refined by a
- * downhill simplex, first with a wide neighbourhood, then with a narrow one. Where the retina alone
- * is open, one unknown is few enough to step through. */
+ * dioptre apart. So as much light as possible shall lie close together, each ray counting by
+ * Moffat's profile (1 + d²/w²)^-2 of its distance d from the peak. The rays of a part of the pupil
+ * are brought together by least squares. With the profile's derivative (1 + d²/w²)^-3 as weights of
+ * the next fit the light gathered grows from step to step (majorise and minimise: Hunter and Lange,
+ * American Statistician 58 (2004) 30), faster where a step is lengthened as long as that gains; w
+ * shrinks from the part's own blur to the bucket. The peak comes from the part that one focus suits
+ * best, with a cone seldom the middle: so parts of all sizes and places start, and along the axis,
+ * where the caustic makes one local best after the other, the best of them are tried again. */
 #include "simulate/focus.h"
 
 #include "base/memory.h"
 #include "simulate/light.h"
-#include "simulate/minimise.h"
+#include "simulate/pencil.h"
 
 #include <math.h>
 
 enum {
-  RING = 6,          /* patches of a size around the pupil's centre */
-  STEPS = 120,       /* vergences tried where that is the only unknown */
-  STARTS_MAX = 128,
-  KEPT = 4,          /* starts that are refined */
-  WIDE_CALLS = 60,   /* evaluations of each, wide neighbourhood */
-  NARROW_CALLS = 90, /* and narrow */
+  LATTICE = 3,     /* rows and columns of parts on either side of the pupil's centre */
+  CENTRED = 7,     /* parts about the centre */
+  PARTS_MAX = CENTRED + 2 * (2 * LATTICE + 1) * (2 * LATTICE + 1),
+  KEPT = 4,        /* trials that are tried again */
+  SHIFTS = 10,     /* to either side */
+  STEPS = 2,       /* for each width */
+  LAST_STEPS = 24,
+  STRETCH_MAX = 16 /* times a step */
 };
 
 static const double wide_arcmin = 1;
 static const double narrow_arcmin = 0.4;
-static const double tolerance_D = 0.002;
+static const double trifle_D = 0.002;
 static const double vergence_min_D = 5, vergence_max_D = 300; /* retina 270 to 4.5 mm away */
-static const double cross_max_D = 30;
+static const double cross_max_D = 20;
 
-/* A trial: vergence of the light that meets on the retina, and the cross-cylinder. */
 typedef struct trial {
-  double vergence_D, j0_D, j45_D;
-  double cost; /* less light gathered */
+  placido_aim aim;
+  double gathered;
 } trial;
 
 typedef struct search {
-  placido_focus *focus;
-  placido_eye eye;       /* of the trial */
+  const placido_focus *focus;
+  placido_pencil pencil;
+  placido_eye eye;
   bool retina_open, cylinder_open;
-  double width_arcmin;
 } search;
 
-int placido_focus_new(placido_focus *focus, const placido_rays *rays, const placido_apex *apex,
-                      const placido_optics *optics, placido_error *err) {
-  *focus = (placido_focus){.rays = rays, .apex = apex, .optics = optics};
-  focus->x_mm = placido_memory_new(rays->count, 2 * sizeof *focus->x_mm, err);
-  if (focus->x_mm == NULL) {
-    return PLACIDO_MEMORY;
-  }
-  focus->y_mm = focus->x_mm + rays->count;
-  return PLACIDO_OK;
-}
-
-void placido_focus_free(placido_focus *focus) {
-  if (focus != NULL) {
-    placido_memory_free(focus->x_mm);
-    *focus = (placido_focus){0};
-  }
-}
-
-static size_t land(placido_focus *focus, const placido_eye *eye) {
-  size_t landed = 0;
-  for (size_t i = 0; i < focus->rays->count; i++) {
-    landed += placido_entry_trace(&focus->rays->entries[i], eye, eye->retina_mm,
-                                  &focus->x_mm[landed], &focus->y_mm[landed]);
-  }
-  return landed;
-}
-
-/* Millimetres on the eye's retina of a minute as the buckets count it. */
-static double arcmin_mm(const placido_focus *focus, const placido_eye *eye) {
+double placido_focus_arcmin_mm(const placido_focus *focus, const placido_eye *eye) {
   const placido_optics *optics = focus->optics;
   double bucket_um = placido_apex_bucket_um(focus->apex, optics, eye->index, eye->retina_mm);
   return bucket_um / optics->bucket_arcmin / 1000;
 }
 
-static double cost_of(search *s) {
-  double peak[2];
-  size_t landed = land(s->focus, &s->eye);
-  return -placido_light_gathered(s->focus->x_mm, s->focus->y_mm, landed,
-                                 s->width_arcmin * arcmin_mm(s->focus, &s->eye), 1, peak);
-}
-
-/* The objective in whichever unknowns are open, in the order vergence, J0, J45. */
-static double cost_at(void *user, const double *at) {
-  search *s = user;
-  double vergence_D = s->retina_open ? *at++ : vergence_min_D;
-  if (!(vergence_D >= vergence_min_D && vergence_D <= vergence_max_D)) {
-    return 0;
-  }
+static placido_eye decided_eye(const search *s, const placido_aim *aim) {
+  placido_eye eye = s->eye;
   if (s->retina_open) {
-    s->eye.retina_mm = 1000 * s->eye.index / vergence_D;
+    eye.retina_mm = 1000 * eye.index / aim->vergence_D;
   }
   if (s->cylinder_open) {
-    if (!(hypot(at[0], at[1]) <= cross_max_D)) {
-      return 0;
+    eye.correction.j0_D = aim->j0_D;
+    eye.correction.j45_D = aim->j45_D;
+  }
+  return eye;
+}
+
+/* A minute of the visual field as slope behind the cornea. */
+static double arcmin_slope(const search *s, const placido_aim *aim) {
+  placido_eye eye = decided_eye(s, aim);
+  return placido_focus_arcmin_mm(s->focus, &eye) / eye.retina_mm;
+}
+
+/* The defocus that widens the spot by the narrow width. */
+static double step_D(const search *s) {
+  return 2 * 1000 * narrow_arcmin * PLACIDO_ARCMIN_RAD / s->eye.pupil_mm;
+}
+
+static bool in_range(double vergence_D) {
+  return vergence_D >= vergence_min_D && vergence_D <= vergence_max_D;
+}
+
+/* aim + times × change; false where that leaves the range. */
+static bool advance(placido_aim *aim, const placido_aim *change, double times) {
+  aim->vergence_D += times * change->vergence_D;
+  aim->j0_D += times * change->j0_D;
+  aim->j45_D += times * change->j45_D;
+  aim->x += times * change->x;
+  aim->y += times * change->y;
+  return in_range(aim->vergence_D) && hypot(aim->j0_D, aim->j45_D) <= cross_max_D;
+}
+
+static void gather(search *s, trial *t, double width_arcmin) {
+  placido_pencil_aim(&s->pencil, &t->aim);
+  t->gathered = placido_pencil_gather(&s->pencil, width_arcmin * arcmin_slope(s, &t->aim));
+}
+
+static bool step_uphill(search *s, trial *t, double width_arcmin) {
+  placido_aim change;
+  double rms;
+  gather(s, t, width_arcmin);
+  if (!placido_pencil_fit(&s->pencil, s->retina_open, s->cylinder_open, &change, &rms)) {
+    return false;
+  }
+  trial start = *t;
+  for (int times = 1; times <= STRETCH_MAX; times *= 2) {
+    trial next = start;
+    if (!advance(&next.aim, &change, times)) {
+      return times > 1;
     }
-    s->eye.correction.j0_D = at[0];
-    s->eye.correction.j45_D = at[1];
+    gather(s, &next, width_arcmin);
+    if (times > 1 && !(next.gathered > t->gathered)) {
+      break;
+    }
+    *t = next;
   }
-  return cost_of(s);
+  return true;
 }
 
-static int pack(const search *s, const trial *t, double at[PLACIDO_MINIMISE_MAX]) {
-  int count = 0;
-  if (s->retina_open) {
-    at[count++] = t->vergence_D;
+static bool climb(search *s, trial *t, double width_arcmin, int steps) {
+  for (int i = 0; i < steps; i++) {
+    if (!step_uphill(s, t, width_arcmin)) {
+      return false;
+    }
   }
-  if (s->cylinder_open) {
-    at[count++] = t->j0_D;
-    at[count++] = t->j45_D;
+  return true;
+}
+
+static bool climb_to_narrow(search *s, trial *t) {
+  return climb(s, t, wide_arcmin, STEPS) && climb(s, t, narrow_arcmin, STEPS);
+}
+
+/* Power of the pupil's middle; NaN where there is none. */
+static double middle_power(search *s, const placido_patch *middle) {
+  placido_aim afocal = {.j0_D = s->pencil.j0_D, .j45_D = s->pencil.j45_D}, change;
+  double rms;
+  placido_pencil_aim(&s->pencil, &afocal);
+  placido_pencil_select(&s->pencil, middle);
+  return placido_pencil_fit(&s->pencil, true, true, &change, &rms) ? change.vergence_D : NAN;
+}
+
+/* A part of the pupil brought to its own focus, then all the light that this focus gathers. */
+static bool start_from(search *s, const placido_patch *part, trial *t) {
+  placido_aim change;
+  double rms = 0;
+  placido_pencil_select(&s->pencil, part);
+  for (int i = 0; i < 2; i++) { /* the second for the retina's new scale */
+    placido_pencil_aim(&s->pencil, &t->aim);
+    if (!placido_pencil_fit(&s->pencil, s->retina_open, s->cylinder_open, &change, &rms) ||
+        !advance(&t->aim, &change, 1)) {
+      return false;
+    }
+  }
+  double width_arcmin = 2 * rms / arcmin_slope(s, &t->aim);
+  for (; width_arcmin > wide_arcmin; width_arcmin /= 2) {
+    if (!climb(s, t, width_arcmin, STEPS)) {
+      return false;
+    }
+  }
+  return climb_to_narrow(s, t);
+}
+
+/* Discs and rings about the centre, then discs of two sizes on a triangular lattice. */
+static int pupil_parts(const placido_eye *eye, placido_patch parts[PARTS_MAX]) {
+  const double radius = eye->pupil_mm / 2, spacing = 0.35 * radius;
+  const double rings[CENTRED][2] = {{0, 0.25}, {0, 0.5}, {0, 0.75}, {0, 1},
+                                    {0.4, 1},  {0.6, 1}, {0.8, 1}};
+  int count = 0;
+  for (; count < CENTRED; count++) {
+    parts[count] = (placido_patch){0, 0, rings[count][0] * radius, rings[count][1] * radius};
+  }
+  for (int j = -LATTICE; j <= LATTICE; j++) {
+    for (int i = -LATTICE; i <= LATTICE; i++) {
+      double x = spacing * (i + (j % 2 != 0 ? 0.5 : 0)), y = spacing * sqrt(0.75) * j;
+      double off = hypot(x, y) / radius;
+      if (off > 0 && off < 0.9) {
+        parts[count++] = (placido_patch){x, y, 0, radius / 4};
+      }
+      if (off > 0 && off <= 1.01) {
+        parts[count++] = (placido_patch){x, y, 0, radius / 2};
+      }
+    }
   }
   return count;
 }
 
-static void unpack(const search *s, const double *at, trial *t) {
-  if (s->retina_open) {
-    t->vergence_D = *at++;
-  }
-  if (s->cylinder_open) {
-    t->j0_D = at[0];
-    t->j45_D = at[1];
-  }
-}
-
-static void evaluate(search *s, trial *t) {
-  double at[PLACIDO_MINIMISE_MAX];
-  pack(s, t, at);
-  t->cost = cost_at(s, at);
-}
-
-/* The defocus that widens the spot by the neighbourhood. */
-static double step_D(const search *s) {
-  return fmin(1000 * s->width_arcmin * PLACIDO_ARCMIN_RAD / s->eye.pupil_mm * 2, 1);
-}
-
-static void refine(search *s, trial *t, int calls) {
-  double at[PLACIDO_MINIMISE_MAX];
-  int count = pack(s, t, at);
-  t->cost = placido_minimise(cost_at, s, at, count, step_D(s), tolerance_D, calls);
-  unpack(s, at, t);
-}
-
-/* A disc within the pupil. */
-typedef struct patch {
-  double x_mm, y_mm, radius_mm;
-} patch;
-
-/* Sums for a straight-line fit of the ray slopes over a patch. */
-typedef struct slope_sums {
-  double n, x, y, xx, xy, yy, u, v, ux, uy, vx, vy;
-} slope_sums;
-
-static void add_slope(slope_sums *s, double x, double y, double u, double v) {
-  s->n += 1;
-  s->x += x;
-  s->y += y;
-  s->xx += x * x;
-  s->xy += x * y;
-  s->yy += y * y;
-  s->u += u;
-  s->v += v;
-  s->ux += u * x;
-  s->uy += u * y;
-  s->vx += v * x;
-  s->vy += v * y;
-}
-
-/* Ray slopes over the patch, each brought to the apex's plane for light meeting at retina_mm:
- * where hit = r + L q, q's gradient must be -1/L for the patch to be in focus. */
-static slope_sums patch_slopes(const search *s, const patch *p, double retina_mm) {
-  slope_sums sums = {0};
-  const placido_rays *rays = s->focus->rays;
-  for (size_t i = 0; i < rays->count; i++) {
-    const placido_entry *entry = &rays->entries[i];
-    double x = entry->x_mm - p->x_mm, y = entry->y_mm - p->y_mm, hx, hy;
-    bool inside = x * x + y * y <= p->radius_mm * p->radius_mm;
-    if (inside && placido_entry_trace(entry, &s->eye, retina_mm, &hx, &hy)) {
-      add_slope(&sums, x, y, (hx - entry->x_mm) / retina_mm, (hy - entry->y_mm) / retina_mm);
-    }
-  }
-  return sums;
-}
-
-/* Vergence and correcting cross-cylinder of a patch, on top of what the trial eye wears. */
-static bool patch_powers(const search *s, const patch *p, double retina_mm, trial *t) {
-  slope_sums m = patch_slopes(s, p, retina_mm);
-  double xx = m.xx - m.x * m.x / m.n, xy = m.xy - m.x * m.y / m.n, yy = m.yy - m.y * m.y / m.n;
-  double ux = m.ux - m.u * m.x / m.n, uy = m.uy - m.u * m.y / m.n;
-  double vx = m.vx - m.v * m.x / m.n, vy = m.vy - m.v * m.y / m.n;
-  double determinant = xx * yy - xy * xy;
-  if (!(m.n >= 6 && determinant > 0)) {
-    return false;
-  }
-  double u_x = (ux * yy - uy * xy) / determinant, u_y = (uy * xx - ux * xy) / determinant;
-  double v_x = (vx * yy - vy * xy) / determinant, v_y = (vy * xx - vx * xy) / determinant;
-  double dioptres = 1000 * s->eye.index;
-  *t = (trial){.vergence_D = -dioptres * (u_x + v_y) / 2,
-               .j0_D = dioptres * (u_x - v_y) / 2,
-               .j45_D = dioptres * (u_y + v_x) / 2};
-  return true;
-}
-
-enum { PATCHES = 4 + 2 * RING };
-
-/* Discs about the pupil's centre, then rings of half and quarter-size ones around it. */
-static void pupil_patches(const placido_eye *eye, patch patches[PATCHES]) {
-  const double turn = 2 * acos(-1);
-  double radius = eye->pupil_mm / 2;
-  for (int i = 0; i < 4; i++) {
-    patches[i] = (patch){eye->pupil_x_mm, eye->pupil_y_mm, radius * (i + 1) / 4};
-  }
-  for (int i = 0; i < RING; i++) {
-    double x = eye->pupil_x_mm + radius / 2 * cos(turn * i / RING);
-    double y = eye->pupil_y_mm + radius / 2 * sin(turn * i / RING);
-    patches[4 + i] = (patch){x, y, radius / 2};
-    patches[4 + RING + i] = (patch){x, y, radius / 4};
-  }
-}
-
-static void add_start(search *s, trial *starts, int *count, trial t) {
-  evaluate(s, &t);
-  if (*count < STARTS_MAX && t.cost < 0) {
-    starts[(*count)++] = t;
-  }
-}
-
-/* Powers of every patch as they are without search: `count` of them, those without a focus left
- * out. Returns the middle patch's vergence, NaN where there is none. */
-static double find_powers(search *s, trial powers[PATCHES], int *count) {
-  patch patches[PATCHES];
-  trial middle;
-  *count = 0;
-  pupil_patches(&s->eye, patches);
-  if (!patch_powers(s, &patches[0], 1e9, &middle)) {
-    return NAN;
-  }
-  if (!(middle.vergence_D >= vergence_min_D && middle.vergence_D <= vergence_max_D)) {
-    return middle.vergence_D;
-  }
-  double retina_mm = s->eye.retina_mm;
-  if (s->retina_open) {
-    retina_mm = 1000 * s->eye.index / middle.vergence_D;
-  }
-  for (int i = 0; i < PATCHES; i++) {
-    *count += patch_powers(s, &patches[i], retina_mm, &powers[*count]);
-  }
-  return middle.vergence_D;
-}
-
-/* With the cylinder open: each patch's own, and none, because light from several patches may meet
- * better so. */
-static int start_with_cylinder(search *s, const trial *powers, int count, trial *starts) {
-  placido_correction worn = s->eye.correction;
-  int found = 0;
-  for (int i = 0; i < count; i++) {
-    trial t = powers[i];
-    add_start(s, starts, &found, (trial){.vergence_D = t.vergence_D});
-    t.j0_D += worn.j0_D;
-    t.j45_D += worn.j45_D;
-    add_start(s, starts, &found, t);
-  }
-  return found;
-}
-
-/* With the retina alone open: evenly spaced from the weakest line focus to the strongest. */
-static int start_along_axis(search *s, const trial *powers, int count, trial *starts) {
-  double low = vergence_max_D, high = vergence_min_D;
-  int found = 0;
-  for (int i = 0; i < count; i++) {
-    double line_D = hypot(powers[i].j0_D, powers[i].j45_D);
-    low = fmin(low, powers[i].vergence_D - line_D);
-    high = fmax(high, powers[i].vergence_D + line_D);
-  }
-  for (int i = 0; i < STEPS; i++) {
-    add_start(s, starts, &found, (trial){.vergence_D = low + (high - low) * i / (STEPS - 1)});
-  }
-  return found;
-}
-
 static bool close_to_any(const trial *t, const trial *kept, int count, double distance_D) {
   for (int i = 0; i < count; i++) {
-    if (fabs(t->vergence_D - kept[i].vergence_D) < distance_D &&
-        fabs(t->j0_D - kept[i].j0_D) < distance_D &&
-        fabs(t->j45_D - kept[i].j45_D) < distance_D) {
+    if (fabs(t->aim.vergence_D - kept[i].aim.vergence_D) < distance_D &&
+        fabs(t->aim.j0_D - kept[i].aim.j0_D) < distance_D &&
+        fabs(t->aim.j45_D - kept[i].aim.j45_D) < distance_D) {
       return true;
     }
   }
   return false;
 }
 
-/* Copies the cheapest trials, each at least `distance_D` from the others, to `kept`; returns how
+/* Copies the brightest trials, each at least `distance_D` from the others, to `kept`; returns how
  * many. */
 static int keep_best(const trial *trials, int count, trial *kept, int kept_max,
                      double distance_D) {
@@ -300,8 +202,8 @@ static int keep_best(const trial *trials, int count, trial *kept, int kept_max,
   while (found < kept_max) {
     const trial *best = NULL;
     for (int i = 0; i < count; i++) {
-      bool cheaper = best == NULL || trials[i].cost < best->cost;
-      if (cheaper && !close_to_any(&trials[i], kept, found, distance_D)) {
+      bool brighter = best == NULL || trials[i].gathered > best->gathered;
+      if (brighter && !close_to_any(&trials[i], kept, found, distance_D)) {
         best = &trials[i];
       }
     }
@@ -313,58 +215,113 @@ static int keep_best(const trial *trials, int count, trial *kept, int kept_max,
   return found;
 }
 
+/* Climbs again from the best trials' neighbours, whole numbers of `direction` × step_D away; what
+ * is found replaces `trials`. Returns how many there are. */
+static int try_neighbours(search *s, trial trials[PARTS_MAX], int count,
+                          const placido_aim *direction) {
+  trial kept[KEPT];
+  int kept_count = keep_best(trials, count, kept, KEPT, step_D(s) / 2);
+  count = 0;
+  for (int i = 0; i < kept_count; i++) {
+    trials[count++] = kept[i];
+    for (int k = -SHIFTS; k <= SHIFTS; k++) {
+      trials[count] = kept[i];
+      count += k != 0 && advance(&trials[count].aim, direction, k * step_D(s)) &&
+               climb_to_narrow(s, &trials[count]);
+    }
+  }
+  return count;
+}
+
+/* Traces many rays through the trial's own lens and settles there. */
+static bool settle(search *s, trial *t) {
+  placido_eye eye = decided_eye(s, &t->aim);
+  placido_pencil_trace(&s->pencil, s->focus->dense, &eye);
+  return climb(s, t, narrow_arcmin, LAST_STEPS);
+}
+
+/* Every trial that the parts lead to; `count` of them, none where the middle has no power. */
+static int find_trials(search *s, trial trials[PARTS_MAX], double *power_D) {
+  placido_patch parts[PARTS_MAX];
+  const placido_correction *worn = &s->eye.correction;
+  int part_count = pupil_parts(&s->eye, parts), count = 0;
+  *power_D = middle_power(s, &parts[0]);
+  double vergence_D = s->retina_open ? *power_D : 1000 * s->eye.index / s->eye.retina_mm;
+  for (int i = 0; i < part_count && in_range(*power_D); i++) {
+    trials[count].aim = (placido_aim){vergence_D, worn->j0_D, worn->j45_D, 0, 0};
+    count += start_from(s, &parts[i], &trials[count]);
+  }
+  static const placido_aim directions[2][2] = {
+    {{.j0_D = 1}, {.j45_D = 1}},         /* where the retina is given */
+    {{.vergence_D = 3}, {.vergence_D = 1}}, /* coarse, then fine */
+  };
+  for (int i = 0; i < 2; i++) {
+    count = try_neighbours(s, trials, count, &directions[s->retina_open][i]);
+  }
+  return count;
+}
+
 /* A cylinder below the search's own resolution is none. */
 static void drop_trifle(placido_correction *correction) {
-  if (hypot(correction->j0_D, correction->j45_D) < tolerance_D) {
+  if (hypot(correction->j0_D, correction->j45_D) < trifle_D) {
     correction->j0_D = correction->j45_D = 0;
   }
 }
 
-int placido_focus_search(placido_focus *focus, placido_eye *eye, placido_error *err) {
-  search s = {.focus = focus,
-              .eye = *eye,
-              .retina_open = eye->retina_mm == 0,
-              .cylinder_open = eye->correct,
-              .width_arcmin = eye->correct ? wide_arcmin : narrow_arcmin};
-  if (!s.retina_open && !s.cylinder_open) {
-    return PLACIDO_OK;
+static int decide(search *s, placido_eye *eye, placido_error *err) {
+  trial trials[PARTS_MAX], last[2];
+  double power_D;
+  placido_pencil_trace(&s->pencil, s->focus->sparse, eye);
+  int count = find_trials(s, trials, &power_D), settled = 0;
+  count = keep_best(trials, count, last, 2, step_D(s) / 2);
+  for (int i = 0; i < count; i++) {
+    last[settled] = last[i];
+    settled += settle(s, &last[settled]);
   }
-  trial powers[PATCHES], starts[STARTS_MAX], kept[KEPT];
-  int count;
-  double middle_D = find_powers(&s, powers, &count);
-  if (count > 0) {
-    count = s.cylinder_open ? start_with_cylinder(&s, powers, count, starts)
-                            : start_along_axis(&s, powers, count, starts);
-    count = keep_best(starts, count, kept, KEPT, step_D(&s) / 2);
-  }
-  if (count == 0) {
+  if (keep_best(last, settled, trials, 1, 0) == 0) {
     return placido_error_set(err, PLACIDO_QUALITY,
                              "no focus: the cornea's power in the middle of the pupil is %.1f D, "
                              "expected %g to %g D",
-                             middle_D, vergence_min_D, vergence_max_D);
+                             power_D, vergence_min_D, vergence_max_D);
   }
-  for (int i = 0; i < count && s.cylinder_open; i++) {
-    refine(&s, &kept[i], WIDE_CALLS);
+  *eye = decided_eye(s, &trials[0].aim);
+  if (s->cylinder_open) {
+    drop_trifle(&eye->correction);
   }
-  s.width_arcmin = narrow_arcmin;
-  for (int i = 0; i < count; i++) {
-    refine(&s, &kept[i], NARROW_CALLS);
-  }
-  keep_best(kept, count, starts, 1, 0);
-  evaluate(&s, &starts[0]);
-  if (s.cylinder_open) {
-    drop_trifle(&s.eye.correction);
-  }
-  *eye = s.eye;
   return PLACIDO_OK;
 }
 
-void placido_focus_peak(placido_focus *focus, const placido_eye *eye, double *x_mm, double *y_mm) {
+int placido_focus_search(const placido_focus *focus, placido_eye *eye, placido_error *err) {
+  search s = {.focus = focus,
+              .eye = *eye,
+              .retina_open = eye->retina_mm == 0,
+              .cylinder_open = eye->correct};
+  if (!s.retina_open && !s.cylinder_open) {
+    return PLACIDO_OK;
+  }
+  int status = placido_pencil_new(&s.pencil, focus->sparse->count + focus->dense->count, err);
+  if (status == PLACIDO_OK) {
+    status = decide(&s, eye, err);
+  }
+  placido_pencil_free(&s.pencil);
+  return status;
+}
+
+int placido_focus_peak(const placido_focus *focus, const placido_eye *eye, double peak_mm[2],
+                       placido_error *err) {
   const double width_arcmin = 1; /* the detail of 20/20 */
-  double peak[2];
-  size_t landed = land(focus, eye);
-  placido_light_gathered(focus->x_mm, focus->y_mm, landed, width_arcmin * arcmin_mm(focus, eye), 12,
-                         peak);
-  *x_mm = peak[0];
-  *y_mm = peak[1];
+  const placido_rays *rays = focus->dense;
+  size_t landed = 0, count = rays->count;
+  double *x = placido_memory_new(count, 2 * sizeof *x, err);
+  if (x == NULL) {
+    return PLACIDO_MEMORY;
+  }
+  double *y = x + count;
+  for (size_t i = 0; i < count; i++) {
+    landed +=
+      placido_entry_trace(&rays->entries[i], eye, eye->retina_mm, &x[landed], &y[landed]);
+  }
+  placido_light_peak(x, y, landed, width_arcmin * placido_focus_arcmin_mm(focus, eye), peak_mm);
+  placido_memory_free(x);
+  return PLACIDO_OK;
 }

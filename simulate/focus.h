@@ -6,27 +6,27 @@
 #include "simulate/eye.h"
 #include "simulate/trace.h"
 
-#define PLACIDO_FOCUS_SAMPLES 37 /* crosshatch of 2,665 rays, 2,000 of them in the pupil */
+#define PLACIDO_FOCUS_SEARCH_SAMPLES 37 /* crosshatch of 2,665 rays, 2,000 of them in the pupil */
+#define PLACIDO_FOCUS_SETTLE_SAMPLES 75 /* 11,101 rays: on a flat top, fewer decide by chance */
 
-/* The rays of a pupil with room for where they land. */
+/* The rays of a pupil, sparse to search and dense to settle, and what their angles are reckoned
+ * by; borrowed. */
 typedef struct placido_focus {
-  const placido_rays *rays;
+  const placido_rays *sparse, *dense;
   const placido_apex *apex;
   const placido_optics *optics;
-  double *x_mm, *y_mm; /* where they land, rays->count at most */
 } placido_focus;
-
-/* Free with placido_focus_free; the rest is borrowed until then. PLACIDO_OK or PLACIDO_MEMORY. */
-int placido_focus_new(placido_focus *focus, const placido_rays *rays, const placido_apex *apex,
-                      const placido_optics *optics, placido_error *err);
-void placido_focus_free(placido_focus *focus);
 
 /* Decides what is open in `eye`: retina_mm where it is 0, J0 and J45 where `correct` is set.
  * Returns PLACIDO_OK, or PLACIDO_QUALITY where the surface has no focus behind it. */
-int placido_focus_search(placido_focus *focus, placido_eye *eye, placido_error *err);
+int placido_focus_search(const placido_focus *focus, placido_eye *eye, placido_error *err);
 
-/* The retinal point at which the light is densest, found from the light's middle downwards through
- * ever narrower neighbourhoods: the point of fixation. */
-void placido_focus_peak(placido_focus *focus, const placido_eye *eye, double *x_mm, double *y_mm);
+/* Millimetres on the eye's retina of a minute as the buckets count it. */
+double placido_focus_arcmin_mm(const placido_focus *focus, const placido_eye *eye);
+
+/* The retinal point at which the light is densest within about a minute: the point of fixation.
+ * Returns PLACIDO_OK or PLACIDO_MEMORY. */
+int placido_focus_peak(const placido_focus *focus, const placido_eye *eye, double peak_mm[2],
+                       placido_error *err);
 
 #endif

@@ -4,10 +4,9 @@
 
 #include <stddef.h>
 
-/* Sum of 1 / (1 + d²/width²)² over `count` points, d the distance from their densest place, which
- * is found by narrowing from all the points down to `width` and settled there by `settle` steps
- * more; `peak` (x, y) receives it. Any unit of length. */
-double placido_light_gathered(const double *x, const double *y, size_t count, double width,
-                              int settle, double peak[2]);
+/* Greatest sum of 1 / (1 + d²/width²)² over `count` points, d the distance from the place that
+ * `peak` (x, y) receives. Any unit of length; 0 for no points. */
+double placido_light_peak(const double *x, const double *y, size_t count, double width,
+                          double peak[2]);
 
 #endif

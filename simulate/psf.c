@@ -155,18 +155,36 @@ static void describe(placido_psf *psf, const placido_eye *eye, const placido_opt
   psf->centre_y_um = 1000 * c->centre_y_mm;
 }
 
+/* Decides what is open in `eye`, and the point of fixation. */
+static int find_focus(placido_eye *eye, double fixation_mm[2], const placido_surface *surface,
+                      const placido_apex *apex, const placido_rays *sparse,
+                      const placido_optics *optics, placido_error *err) {
+  placido_rays dense;
+  int status =
+    placido_rays_new(&dense, surface, apex, eye, PLACIDO_FOCUS_SETTLE_SAMPLES, err);
+  if (status == PLACIDO_OK) {
+    placido_focus focus = {.sparse = sparse, .dense = &dense, .apex = apex, .optics = optics};
+    status = placido_focus_search(&focus, eye, err);
+    if (status == PLACIDO_OK) {
+      status = placido_focus_peak(&focus, eye, fixation_mm, err);
+    }
+  }
+  placido_rays_free(&dense);
+  return status;
+}
+
 /* Decides the eye and traces it; everything in `eye` and `optics` is settled. */
 static int make(placido_psf *psf, placido_eye *eye, const placido_surface *surface,
                 const placido_optics *optics, placido_notes *notes, placido_error *err) {
+  const int samples = PLACIDO_FOCUS_SEARCH_SAMPLES;
   placido_rays rays = {0};
-  placido_focus focus = {0};
   placido_apex apex;
+  double fixation_mm[2];
   int status = placido_apex_find(&apex, surface, eye, err);
   if (status != PLACIDO_OK ||
-      (status = placido_rays_new(&rays, surface, &apex, eye, PLACIDO_FOCUS_SAMPLES, err)) != 0 ||
+      (status = placido_rays_new(&rays, surface, &apex, eye, samples, err)) != 0 ||
       (status = check_pupil_filled(&rays, surface, eye, err)) != 0 ||
-      (status = placido_focus_new(&focus, &rays, &apex, optics, err)) != 0 ||
-      (status = placido_focus_search(&focus, eye, err)) != 0 ||
+      (status = find_focus(eye, fixation_mm, surface, &apex, &rays, optics, err)) != 0 ||
       (status = allocate(psf, optics, err)) != 0) {
     goto done;
   }
@@ -174,9 +192,10 @@ static int make(placido_psf *psf, placido_eye *eye, const placido_surface *surfa
                 .apex = &apex,
                 .eye = eye,
                 .pattern = placido_crosshatch_of(eye, optics->samples),
-                .n = psf->n};
+                .n = psf->n,
+                .centre_x_mm = fixation_mm[0],
+                .centre_y_mm = fixation_mm[1]};
   c.bucket_mm = placido_apex_bucket_um(&apex, optics, eye->index, eye->retina_mm) / 1000;
-  placido_focus_peak(&focus, eye, &c.centre_x_mm, &c.centre_y_mm);
   describe(psf, eye, optics, &c);
   status = count_all(psf, &c, optics->threads, err);
   if (status != PLACIDO_OK) {
@@ -189,7 +208,6 @@ static int make(placido_psf *psf, placido_eye *eye, const placido_surface *surfa
   }
   tell(psf, &rays, notes);
 done:
-  placido_focus_free(&focus);
   placido_rays_free(&rays);
   return status;
 }

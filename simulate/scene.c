@@ -7,10 +7,12 @@
 #include <placido/simulate.h>
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 static const double chart_arcmin_per_px = 0.5;
+static const double chart_bleed_arcmin = 64; /* 128 buckets of half a minute to a side */
 
 /* Part of the format, drawn by a later build. */
 static const char *const future_charts[] = {"landolt", "sloan"};
@@ -76,6 +78,31 @@ static int beside(char *out, const char *path, const char *name, placido_error *
   memcpy(folder, path, length);
   folder[length] = '\0';
   return placido_path_join(out, folder, name, err);
+}
+
+/* A chart in the middle of its bleed of white. */
+static int draw_chart(placido_scene *scene, const placido_chart *chart, placido_error *err) {
+  placido_image alone, *whole = &scene->image;
+  int status = placido_chart_new(&alone, chart, scene->arcmin_per_px, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  int bleed = scene->bleed_px = (int)ceil(chart_bleed_arcmin / scene->arcmin_per_px);
+  status = placido_image_new(whole, alone.width_px + 2 * bleed, alone.height_px + 2 * bleed, 1,
+                             err);
+  if (status == PLACIDO_OK) {
+    size_t width = (size_t)whole->width_px, pixels = width * (size_t)whole->height_px;
+    for (size_t i = 0; i < pixels; i++) {
+      whole->data[i] = 1;
+    }
+    for (int y = 0; y < alone.height_px; y++) {
+      memcpy(&whole->data[(size_t)(y + bleed) * width + (size_t)bleed],
+             &alone.data[(size_t)y * (size_t)alone.width_px],
+             (size_t)alone.width_px * sizeof *alone.data);
+    }
+  }
+  placido_image_free(&alone);
+  return status;
 }
 
 static int load_photograph(placido_scene *scene, const char *scene_path, const char *name,
@@ -169,7 +196,7 @@ static int read_scene(placido_scene *scene, const placido_json *json, const char
                                       err);
   }
   if (status == PLACIDO_OK && chart != NULL) {
-    status = placido_chart_new(&scene->image, chart, scene->arcmin_per_px, err);
+    status = draw_chart(scene, chart, err);
   }
   return status;
 }
@@ -193,7 +220,7 @@ int placido_scene_load(placido_scene *scene, const char *name_or_path, placido_n
   if (status == PLACIDO_OK && chart != NULL) {
     snprintf(scene->name, sizeof scene->name, "%s", chart->name);
     scene->arcmin_per_px = chart_arcmin_per_px;
-    status = placido_chart_new(&scene->image, chart, chart_arcmin_per_px, err);
+    status = draw_chart(scene, chart, err);
   } else if (status == PLACIDO_OK) {
     status = load_file(scene, name_or_path, notes, err);
   }

@@ -2,6 +2,7 @@
 #ifndef PLACIDO_CLI_COMMAND_H
 #define PLACIDO_CLI_COMMAND_H
 
+#include "acquire/cli/interrupt.h"
 #include "acquire/cli/settings.h"
 #include "acquire/cli/stages.h"
 
@@ -14,6 +15,7 @@ struct outcome {
   placido_notes notes; /* warnings */
   json_t *result;      /* for --json; NULL where there is none */
   struct stages stages;
+  struct interrupt *interrupt; /* told of the directory being written; may be NULL */
 };
 
 struct command {

@@ -1,6 +1,7 @@
 /* Runs the steps of a recipe around a directory that appears whole or not at all. */
 #include "acquire/cli/examination.h"
 
+#include "acquire/cli/place.h"
 #include "acquire/cli/record.h"
 #include "base/memory.h"
 
@@ -21,7 +22,21 @@ static int run_steps(struct examination *examination, placido_error *err) {
       return status;
     }
   }
-  return placido_directory_commit(&examination->directory, err);
+  interrupt_hold(examination->outcome->interrupt);
+  const int status = placido_directory_commit(&examination->directory, err);
+  interrupt_release(examination->outcome->interrupt, &examination->directory);
+  return status;
+}
+
+static int make_place(struct examination *examination, placido_error *err) {
+  const char *path = examination->settings->output, *marker = examination->recipe->marker;
+  int status = place_check(path, marker, err);
+  if (status == PLACIDO_OK) {
+    interrupt_hold(examination->outcome->interrupt);
+    status = placido_directory_create(&examination->directory, path, marker, err);
+    interrupt_release(examination->outcome->interrupt, &examination->directory);
+  }
+  return status;
 }
 
 static void examination_free(struct examination *examination) {
@@ -46,8 +61,7 @@ int examination_run(const struct recipe *recipe, const struct settings *settings
   examination->outcome = outcome;
   examination->threads = settings_use_threads(settings);
   note_time(examination->created);
-  int status = placido_directory_create(&examination->directory, settings->output,
-                                        recipe->marker, err);
+  int status = make_place(examination, err);
   if (status == PLACIDO_OK) {
     status = run_steps(examination, err);
   }

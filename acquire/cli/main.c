@@ -2,10 +2,14 @@
 #include "acquire/cli/command.h"
 #include "acquire/cli/figures.h"
 #include "acquire/cli/record.h"
+#include "base/temporary.h"
 
+#include <fcntl.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static const struct command *const commands[] = {&command_exam, &command_reconstruct,
                                                  &command_simulate, &command_phantom,
@@ -100,6 +104,9 @@ static int check_required(const struct command *command, const struct settings *
     return placido_error_set(err, STATUS_USAGE, "%s is missing (placido help %s)",
                              command->needs_word, command->name);
   }
+  if (command->needs_word && settings->input[0] == '\0') {
+    return placido_error_set(err, STATUS_USAGE, "%s is empty", command->needs_word);
+  }
   if (!command->needs_word && settings->input) {
     return placido_error_set(err, STATUS_USAGE, "\"%s\" is not expected (placido help %s)",
                              settings->input, command->name);
@@ -126,10 +133,12 @@ static void print_json(const struct command *command, json_t *result, int status
 
 static int run_parsed(const struct command *command, const struct settings *settings,
                       placido_error *err) {
-  struct outcome outcome = {.result = NULL};
+  struct outcome outcome = {.interrupt = interrupt_start(command->name)};
   stages_start(&outcome.stages, command->name, !settings->quiet);
   const int status = command->run(settings, &outcome, err);
   stages_end(&outcome.stages);
+  interrupt_stop(outcome.interrupt);
+  placido_temporary_hide(err->text);
   for (size_t i = 0; i < outcome.notes.count && !settings->quiet; i++) {
     fprintf(stderr, "placido: warning: %s\n", outcome.notes.lines[i]);
   }
@@ -170,37 +179,69 @@ static int run_command(const struct command *command, int argc, char **argv) {
   return exit_code(status);
 }
 
-static int refuse_command(const char *name) {
-  fprintf(stderr, "placido: there is no command \"%s\" (placido help lists them)\n", name);
-  return exit_code(STATUS_USAGE);
+/* The end of what runs no command: whether its text reached standard output, or why there is
+ * none. */
+static int end_without_command(int status, placido_error *err) {
+  const int flushed = flush_output(status == PLACIDO_OK ? err : NULL);
+  status = status == PLACIDO_OK ? flushed : status;
+  if (status != PLACIDO_OK) {
+    fprintf(stderr, "placido: %s\n", err->text);
+  }
+  return exit_code(status);
 }
 
-static int help(int argc, char **argv) {
-  if (argc < 2) {
+static int refuse_command(const char *name, placido_error *err) {
+  return placido_error_set(err, STATUS_USAGE,
+                           "there is no command \"%.100s\" (placido help lists them)", name);
+}
+
+static int help(int argc, char **argv, placido_error *err) {
+  if (argc > 2) {
+    return placido_error_set(err, STATUS_USAGE, "help explains one command: \"%.100s\" is one "
+                             "too many", argv[2]);
+  }
+  if (argc < 2 || strcmp(argv[1], "help") == 0) {
     print_overview();
-    return 0;
+    return PLACIDO_OK;
   }
   const struct command *command = find_command(argv[1]);
   if (!command) {
-    return refuse_command(argv[1]);
+    return refuse_command(argv[1], err);
   }
   print_help(command);
-  return 0;
+  return PLACIDO_OK;
+}
+
+/* A standard stream that the caller closed would be the next file to be opened: something that
+ * cannot be written takes its place, so that what is printed is an error and harms no file. */
+static void fill_standard_streams(void) {
+  int descriptor;
+  do {
+    descriptor = open("/dev/null", O_RDONLY);
+  } while (descriptor >= 0 && descriptor <= STDERR_FILENO);
+  if (descriptor >= 0) {
+    close(descriptor);
+  }
 }
 
 int main(int argc, char **argv) {
+  placido_error err = {0};
+  fill_standard_streams();
+  signal(SIGXFSZ, SIG_IGN); /* a file over the limit is then an error of its write */
   if (argc < 2) {
     print_overview();
-    return exit_code(STATUS_USAGE);
+    placido_error_set(&err, STATUS_USAGE, "a command is missing");
+    return end_without_command(STATUS_USAGE, &err);
   }
   const char *name = argv[1];
   if (strcmp(name, "--version") == 0) {
     print_version();
-    return 0;
+    return end_without_command(PLACIDO_OK, &err);
   }
   if (strcmp(name, "help") == 0 || strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
-    return help(argc - 1, argv + 1);
+    return end_without_command(help(argc - 1, argv + 1, &err), &err);
   }
   const struct command *command = find_command(name);
-  return command ? run_command(command, argc - 1, argv + 1) : refuse_command(name);
+  return command ? run_command(command, argc - 1, argv + 1)
+                 : end_without_command(refuse_command(name, &err), &err);
 }

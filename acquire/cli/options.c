@@ -14,13 +14,19 @@
 #define HELP_COLUMN 26
 #define HELP_WIDTH 96
 
+static int refuse_empty(const struct option_row *row, placido_error *err) {
+  return placido_error_set(err, STATUS_USAGE, "--%s: its value is empty (%s)", row->name,
+                           row->value);
+}
+
+/* Reads the number at `at` within the option's `text`. */
 static int read_number(double *value, char **end, const struct option_row *row, const char *text,
-                       placido_error *err) {
+                       const char *at, placido_error *err) {
   errno = 0;
-  *value = strtod(text, end);
-  if (*end == text || errno == ERANGE || !isfinite(*value)) {
-    return placido_error_set(err, STATUS_USAGE, "--%s %s: a number was expected (%s)", row->name,
-                             text, row->value);
+  *value = strtod(at, end);
+  if (*end == at || errno == ERANGE || !isfinite(*value)) {
+    return placido_error_set(err, STATUS_USAGE, "--%s %s: a number was expected%s (%s)", row->name,
+                             text, at == text ? "" : " after each comma", row->value);
   }
   if (*value < row->min || *value > row->max) {
     return placido_error_set(err, STATUS_USAGE, "--%s %g: it ranges from %g to %g", row->name,
@@ -62,8 +68,7 @@ int parse_integer(void *field, const struct option_row *row, const char *text, p
 
 int parse_text(void *field, const struct option_row *row, const char *text, placido_error *err) {
   if (text[0] == '\0') {
-    return placido_error_set(err, STATUS_USAGE, "--%s: its value is empty (%s)", row->name,
-                             row->value);
+    return refuse_empty(row, err);
   }
   *(const char **)field = text;
   return PLACIDO_OK;
@@ -72,6 +77,9 @@ int parse_text(void *field, const struct option_row *row, const char *text, plac
 int parse_tuple(struct number_list *list, const struct option_row *row, const char *text,
                 size_t least, size_t most, placido_error *err) {
   list->count = 0;
+  if (text[0] == '\0') {
+    return refuse_empty(row, err);
+  }
   const char *next = text;
   for (;;) {
     char *end;
@@ -79,7 +87,7 @@ int parse_tuple(struct number_list *list, const struct option_row *row, const ch
       return placido_error_set(err, STATUS_USAGE, "--%s %s: at most %zu number%s (%s)", row->name,
                                text, most, most == 1 ? "" : "s", row->value);
     }
-    const int status = read_number(&list->values[list->count], &end, row, next, err);
+    const int status = read_number(&list->values[list->count], &end, row, text, next, err);
     if (status != PLACIDO_OK) {
       return status;
     }

@@ -5,6 +5,7 @@
 
 #include <placido/phantom.h>
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -46,23 +47,18 @@ static int load_subject(struct subject *subject, const struct settings *settings
              : placido_phantom_instrument(&subject->instrument, settings->instrument, err);
 }
 
-static int read_disturbance(placido_disturbance *disturbance, const struct settings *settings,
-                            placido_error *err) {
+static void read_disturbance(placido_disturbance *disturbance, const struct settings *settings) {
   *disturbance = settings->disturbance;
   if (settings->motion.count == 2) {
     disturbance->motion_px = settings->motion.values[0];
     disturbance->motion_deg = settings->motion.values[1];
   }
-  if (disturbance->motion_px < 0.0) {
-    return placido_error_set(err, STATUS_USAGE, "--motion: its length is not negative");
-  }
   for (size_t i = 0; i < settings->shift_mm.count; i++) {
     disturbance->shift_mm[i] = settings->shift_mm.values[i];
   }
-  return PLACIDO_OK;
 }
 
-/* "eye.png" into "eye.instrument.json". */
+/* "FOLDER/eye.png" into "FOLDER/eye.instrument.json". */
 static int make_sidecar(char path[PLACIDO_PATH_MAX], const char *image, const char *kind,
                         placido_error *err) {
   const int stem = (int)(strlen(image) - strlen(".png"));
@@ -73,70 +69,129 @@ static int make_sidecar(char path[PLACIDO_PATH_MAX], const char *image, const ch
   return PLACIDO_OK;
 }
 
-static int refuse_existing(const char *path, placido_error *err) {
-  if (access(path, F_OK) == 0) {
-    return placido_error_set(err, PLACIDO_SYSTEM, "%s: exists already", path);
+/* An image and what goes with it: its geometry and its truth. */
+struct picture {
+  char paths[3][PLACIDO_PATH_MAX]; /* instrument, surface, image */
+};
+
+static int name_picture(struct picture *picture, const char *image, placido_error *err) {
+  snprintf(picture->paths[2], PLACIDO_PATH_MAX, "%s", image);
+  const int status = make_sidecar(picture->paths[0], image, "instrument", err);
+  return status == PLACIDO_OK ? make_sidecar(picture->paths[1], image, "surface", err) : status;
+}
+
+static int refuse_existing(const struct picture *picture, placido_error *err) {
+  for (int i = 2; i >= 0; i--) {
+    if (access(picture->paths[i], F_OK) == 0) {
+      return placido_error_set(err, PLACIDO_SYSTEM, "%s: exists already", picture->paths[i]);
+    }
   }
   return PLACIDO_OK;
 }
 
-/* The image with its geometry and its truth beside it: three files or none. */
-static int save_image(const struct subject *subject, const placido_frame *frame,
-                      const char *image, placido_error *err) {
-  char instrument[PLACIDO_PATH_MAX], surface[PLACIDO_PATH_MAX];
-  int status = make_sidecar(instrument, image, "instrument", err);
-  if (status == PLACIDO_OK) {
-    status = make_sidecar(surface, image, "surface", err);
+/* Three files take their places, or none. */
+static int move_picture(const struct picture *from, const struct picture *to,
+                        placido_error *err) {
+  int status = refuse_existing(to, err), moved = 0;
+  for (; moved < 3 && status == PLACIDO_OK; moved++) {
+    if (rename(from->paths[moved], to->paths[moved]) != 0) {
+      status = placido_error_set(err, PLACIDO_SYSTEM, "cannot write %s: %s", to->paths[moved],
+                                 strerror(errno));
+      break;
+    }
   }
-  const char *const paths[] = {instrument, surface, image};
-  for (int i = 0; i < 3 && status == PLACIDO_OK; i++) {
-    status = refuse_existing(paths[i], err);
-  }
-  if (status != PLACIDO_OK) {
-    return status;
-  }
-  status = placido_instrument_save(&subject->instrument, instrument, err);
-  if (status == PLACIDO_OK) {
-    status = placido_surface_save(subject->surface, surface, err);
-  }
-  if (status == PLACIDO_OK) {
-    status = placido_frame_save_png(frame, image, err);
-  }
-  for (int i = 0; i < 3 && status != PLACIDO_OK; i++) {
-    unlink(paths[i]);
+  while (status != PLACIDO_OK && moved > 0) {
+    unlink(to->paths[--moved]);
   }
   return status;
 }
 
-static int render_image(const struct subject *subject, const char *path, int threads,
-                        placido_error *err) {
-  placido_frame frame = {0};
-  int status = refuse_existing(path, err);
+static int save_image(const struct subject *subject, const placido_frame *frame,
+                      const struct picture *picture, placido_error *err) {
+  int status = placido_instrument_save(&subject->instrument, picture->paths[0], err);
   if (status == PLACIDO_OK) {
-    status = placido_phantom_render(&frame, subject->surface, &subject->instrument,
-                                    &subject->disturbance, threads, err);
+    status = placido_surface_save(subject->surface, picture->paths[1], err);
+  }
+  return status == PLACIDO_OK ? placido_frame_save_png(frame, picture->paths[2], err) : status;
+}
+
+/* What is made, where, and who is told. */
+struct work {
+  const struct subject *subject;
+  const struct settings *settings;
+  struct interrupt *interrupt;
+  int threads;
+  placido_directory workshop; /* everything is made in it, and removed with it */
+};
+
+static int render_image(struct work *work, placido_error *err) {
+  struct picture made, placed;
+  placido_frame frame = {0};
+  char path[PLACIDO_PATH_MAX];
+  int status = placido_path_join(path, work->workshop.temporary, "eye.png", err);
+  if (status == PLACIDO_OK) {
+    status = name_picture(&made, path, err);
   }
   if (status == PLACIDO_OK) {
-    status = save_image(subject, &frame, path, err);
+    status = name_picture(&placed, work->settings->output, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = refuse_existing(&placed, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = placido_phantom_render(&frame, work->subject->surface, &work->subject->instrument,
+                                    &work->subject->disturbance, work->threads, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = save_image(work->subject, &frame, &made, err);
+  }
+  if (status == PLACIDO_OK) {
+    interrupt_hold(work->interrupt);
+    status = move_picture(&made, &placed, err);
+    interrupt_release(work->interrupt, &work->workshop);
   }
   placido_frame_free(&frame);
   return status;
 }
 
+static int render_session(struct work *work, placido_error *err) {
+  placido_directory session = work->workshop;
+  const struct settings *settings = work->settings;
+  int status = placido_path_join(session.temporary, work->workshop.temporary, "session", err);
+  if (status == PLACIDO_OK) {
+    status = placido_phantom_session(session.temporary, work->subject->surface,
+                                     &work->subject->instrument,
+                                     settings->side ? settings->side : "OD", settings->frames,
+                                     RATE_HZ, &work->subject->disturbance, work->threads, err);
+  }
+  if (status == PLACIDO_OK) {
+    interrupt_hold(work->interrupt);
+    status = placido_directory_commit(&session, err);
+    interrupt_release(work->interrupt, &work->workshop);
+  }
+  return status;
+}
+
 static int render(const struct subject *subject, const struct settings *settings,
                   struct outcome *outcome, placido_error *err) {
-  const int threads = settings_use_threads(settings);
+  const bool image = has_ending(settings->output, ".png");
+  if (!image && !has_ending(settings->output, ".session")) {
+    return placido_error_set(err, STATUS_USAGE, "-o %s: FILE.png or NAME.session was expected",
+                             settings->output);
+  }
+  struct work work = {.subject = subject,
+                      .settings = settings,
+                      .interrupt = outcome->interrupt,
+                      .threads = settings_use_threads(settings)};
   stages_next(&outcome->stages, "render");
-  if (has_ending(settings->output, ".png")) {
-    return render_image(subject, settings->output, threads, err);
+  interrupt_hold(work.interrupt);
+  int status = placido_directory_create(&work.workshop, settings->output, NULL, err);
+  interrupt_release(work.interrupt, &work.workshop);
+  if (status == PLACIDO_OK) {
+    status = image ? render_image(&work, err) : render_session(&work, err);
   }
-  if (has_ending(settings->output, ".session")) {
-    return placido_phantom_session(settings->output, subject->surface, &subject->instrument,
-                                   settings->side ? settings->side : "OD", settings->frames,
-                                   RATE_HZ, &subject->disturbance, threads, err);
-  }
-  return placido_error_set(err, STATUS_USAGE, "-o %s: FILE.png or NAME.session was expected",
-                           settings->output);
+  placido_directory_discard(&work.workshop);
+  return status;
 }
 
 /* z of the shifted cornea on the instrument's axis; false where it does not reach there. */
@@ -165,10 +220,8 @@ static void tell(const struct subject *subject, const struct settings *settings,
 
 static int run(const struct settings *settings, struct outcome *outcome, placido_error *err) {
   struct subject subject = {.surface = NULL};
-  int status = read_disturbance(&subject.disturbance, settings, err);
-  if (status == PLACIDO_OK) {
-    status = load_subject(&subject, settings, &outcome->notes, err);
-  }
+  read_disturbance(&subject.disturbance, settings);
+  int status = load_subject(&subject, settings, &outcome->notes, err);
   if (status == PLACIDO_OK) {
     status = render(&subject, settings, outcome, err);
   }

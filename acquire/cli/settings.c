@@ -3,11 +3,15 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 #ifdef _OPENMP
 #include <omp.h>
 #endif
 
 #define FIELD(name) offsetof(struct settings, name)
+#define LENS_MAX_D 40.0
+#define MOTION_MAX_PX 200.0
+#define THREADS_MAX 256
 #define COUNT(rows) (sizeof(rows) / sizeof((rows)[0]))
 
 /* "Z" or "Z,SIGMA"; without SIGMA the distance counts as exactly known. */
@@ -37,6 +41,13 @@ static int parse_lens(void *field, const struct option_row *row, const char *tex
   }
   const double pi = 3.14159265358979323846;
   const double sphere = list.values[0], cylinder = list.values[1];
+  if (fabs(sphere) > LENS_MAX_D || fabs(cylinder) > LENS_MAX_D ||
+      fabs(sphere + 0.5 * cylinder) > LENS_MAX_D) {
+    return placido_error_set(err, STATUS_USAGE,
+                             "--%s %s: sphere, cylinder and their mean sphere range from -%g to "
+                             "%g D",
+                             row->name, text, LENS_MAX_D, LENS_MAX_D);
+  }
   const double twice_axis = 2.0 * list.values[2] * pi / 180.0;
   *(struct lens *)field = (struct lens){.given = true,
                                         .power = {.m_D = sphere + 0.5 * cylinder,
@@ -45,9 +56,23 @@ static int parse_lens(void *field, const struct option_row *row, const char *tex
   return PLACIDO_OK;
 }
 
-static int parse_pair(void *field, const struct option_row *row, const char *text,
+static int parse_motion(void *field, const struct option_row *row, const char *text,
+                        placido_error *err) {
+  struct number_list *list = field;
+  const int status = parse_tuple(list, row, text, 2, 2, err);
+  if (status == PLACIDO_OK && (list->values[0] < 0.0 || list->values[0] > MOTION_MAX_PX)) {
+    return placido_error_set(err, STATUS_USAGE, "--%s %s: its length ranges from 0 to %g px",
+                             row->name, text, MOTION_MAX_PX);
+  }
+  return status;
+}
+
+static int parse_side(void *field, const struct option_row *row, const char *text,
                       placido_error *err) {
-  return parse_tuple(field, row, text, 2, 2, err);
+  if (strcmp(text, "OD") != 0 && strcmp(text, "OS") != 0) {
+    return placido_error_set(err, STATUS_USAGE, "--%s %s: OD or OS was expected", row->name, text);
+  }
+  return parse_text(field, row, text, err);
 }
 
 static int parse_triple(void *field, const struct option_row *row, const char *text,
@@ -67,7 +92,7 @@ static int parse_seed(void *field, const struct option_row *row, const char *tex
 
 static const struct option_row general_rows[] = {
     {"threads", 0, "N", "Threads to use (default: as many as the machine has). Results do not "
-     "depend on it.", FIELD(threads), parse_integer, 1, 256},
+     "depend on it.", FIELD(threads), parse_integer, 1, THREADS_MAX},
     {"json", 0, NULL, "Print one JSON object of the result on standard output, for machines.",
      FIELD(json), parse_switch, 0, 0},
     {"quiet", 'q', NULL, "Print nothing but errors (and --json's object).", FIELD(quiet),
@@ -94,7 +119,7 @@ static const struct option_row measuring_rows[] = {
     {"knots", 0, "MM", "Knot spacing of the surface's spline, mm (default: 0.5, or finer where the "
      "residuals ask for it).", FIELD(knot_mm), parse_number, 0.1, 2},
     {"meridians", 0, "N", "Meridians along which edges are measured (default 360).",
-     FIELD(meridians), parse_integer, 16, 1440},
+     FIELD(meridians), parse_integer, 24, 1440},
 };
 
 static const struct option_row seeing_rows[] = {
@@ -105,7 +130,7 @@ static const struct option_row seeing_rows[] = {
     {"index", 0, "N", "Refractive index behind the cornea (default 1.3375).", FIELD(index),
      parse_number, 1.01, 2},
     {"rays", 0, "N", "Rays: a crosshatch of N×N and (N-1)×(N-1) over the pupil's square (default "
-     "400; 100 gives the 19,801 points of CWhatUC).", FIELD(samples), parse_integer, 2, 20000},
+     "400; 100 gives the 19,801 points of CWhatUC).", FIELD(samples), parse_integer, 2, 4000},
     {"bucket", 0, "ARCMIN", "Width of a bucket of the point spread function, minutes of arc "
      "(default 0.5).", FIELD(bucket_arcmin), parse_number, 0.01, 10},
     {"cwhatuc", 0, NULL, "As the program CWhatUC did it: buckets of 2.5 µm, each called half a "
@@ -114,7 +139,7 @@ static const struct option_row seeing_rows[] = {
 
 static const struct option_row eye_rows[] = {
     {"retina", 0, "MM", "Distance of the retina from the cornea, mm (default: searched for the "
-     "best focus).", FIELD(retina_mm), parse_number, 1, 100},
+     "best focus).", FIELD(retina_mm), parse_number, 5, 200},
     {"correction", 0, "S,C,AXIS", "Correcting lens on the cornea: sphere and cylinder in dioptres, "
      "axis in degrees (default: cylinder and axis searched for the best focus).",
      FIELD(correction), parse_lens, -180, 180},
@@ -126,7 +151,7 @@ static const struct option_row phantom_rows[] = {
     {"instrument", 0, "NAME|FILE", "A built-in instrument or a placido-instrument/1 file.",
      FIELD(instrument), parse_text, 0, 0},
     {"side", 0, "OD|OS", "Which eye a session says it is: right or left (default OD).",
-     FIELD(side), parse_text, 0, 0},
+     FIELD(side), parse_side, 0, 0},
     {"output", 'o', "FILE", "FILE.png for one image, NAME.session for a session. Must not exist "
      "yet.",
      FIELD(output), parse_text, 0, 0},
@@ -139,7 +164,7 @@ static const struct option_row phantom_rows[] = {
     {"blur", 0, "PX", "Defocus: standard deviation of a Gaussian, px (default 0).",
      FIELD(disturbance.blur_px), parse_number, 0, 50},
     {"motion", 0, "L,DEG", "Motion blur: length in px and direction in degrees (default none).",
-     FIELD(motion), parse_pair, -360, 360},
+     FIELD(motion), parse_motion, -360, 360},
     {"lashes", 0, "N", "Eyelashes in the picture (default 0).", FIELD(disturbance.lashes),
      parse_integer, 0, 200},
     {"nose", 0, NULL, "With the nose's shadow.", FIELD(disturbance.nose), parse_switch, 0, 0},
@@ -170,10 +195,10 @@ struct settings settings_default(void) {
 
 #ifdef _OPENMP
 int settings_use_threads(const struct settings *settings) {
-  if (settings->threads > 0) {
-    omp_set_num_threads(settings->threads);
-  }
-  return omp_get_max_threads();
+  int threads = settings->threads > 0 ? settings->threads : omp_get_max_threads();
+  threads = threads < THREADS_MAX ? threads : THREADS_MAX;
+  omp_set_num_threads(threads);
+  return threads;
 }
 #else
 /* Built without OpenMP: there is one thread. */

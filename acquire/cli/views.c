@@ -31,17 +31,25 @@ static int check_stem(const struct views *views, size_t index, placido_error *er
     taken = taken || strcmp(stem, views->stems[i]) == 0;
   }
   if (taken) {
-    return placido_error_set(err, PLACIDO_INPUT,
+    return placido_error_set(err, STATUS_USAGE,
                              "scene \"%s\": the file name %s.png is taken; give it another name",
                              views->scenes[index].name, stem);
   }
   return PLACIDO_OK;
 }
 
+static void name_pupil(char directory[32], double pupil_mm) {
+  snprintf(directory, 32, "pupil-%gmm", pupil_mm);
+}
+
+/* Two pupils are the same where they would share a folder. */
 static int check_pupils(const struct number_list *pupils, placido_error *err) {
   for (size_t i = 0; i < pupils->count; i++) {
     for (size_t k = 0; k < i; k++) {
-      if (pupils->values[i] == pupils->values[k]) {
+      char one[32], other[32];
+      name_pupil(one, pupils->values[i]);
+      name_pupil(other, pupils->values[k]);
+      if (strcmp(one, other) == 0) {
         return placido_error_set(err, STATUS_USAGE, "--pupils: %g stands twice",
                                  pupils->values[i]);
       }
@@ -50,13 +58,21 @@ static int check_pupils(const struct number_list *pupils, placido_error *err) {
   return PLACIDO_OK;
 }
 
+static int check_seeing(const struct settings *settings, placido_error *err) {
+  if (settings->cwhatuc && settings->bucket_arcmin > 0.0) {
+    return placido_error_set(err, STATUS_USAGE,
+                             "--cwhatuc has buckets of its own: leave --bucket out");
+  }
+  return check_pupils(&settings->pupils_mm, err);
+}
+
 int step_scenes(struct examination *examination, placido_error *err) {
   stages_next(&examination->outcome->stages, "read scenes");
   struct views *views = &examination->views;
   const struct text_list *asked = &examination->settings->scenes;
   const char *const *names = asked->count ? asked->values : default_scenes;
   const size_t count = asked->count ? asked->count : 1;
-  int status = check_pupils(&examination->settings->pupils_mm, err);
+  int status = check_seeing(examination->settings, err);
   for (size_t i = 0; i < count && status == PLACIDO_OK; i++) {
     status = placido_scene_load(&views->scenes[i], names[i], &examination->outcome->notes, err);
     if (status == PLACIDO_OK) {
@@ -84,7 +100,7 @@ static int see_psf(struct examination *examination, struct view *view, double pu
                                  .threads = examination->threads};
   const int status = placido_psf_new(&view->psf, NULL, examination->surface, &eye, &optics,
                                      &examination->outcome->notes, err);
-  snprintf(view->directory, sizeof view->directory, "pupil-%gmm", pupil_mm);
+  name_pupil(view->directory, pupil_mm);
   view->seconds = stages_elapsed(stages);
   return status;
 }

@@ -2,6 +2,7 @@
 extern "C" {
 #include "base/cv/cv.h"
 
+#include "base/cv/quiet.h"
 #include "base/file.h"
 #include "base/image_check.h"
 #include "base/memory.h"
@@ -66,6 +67,23 @@ private:
   std::streambuf *buffer_;
 };
 
+// Decodes with nothing printed. False where the decoder met damage that it covers up: libjpeg goes
+// on behind lost data and leaves grey.
+bool decode_quietly(cv::Mat &decoded, const cv::Mat &bytes, int flags) {
+  Silence silence;
+  placido_quiet quiet;
+  char said[4096];
+  placido_quiet_begin(&quiet);
+  try {
+    decoded = cv::imdecode(bytes, flags);
+  } catch (...) {
+    placido_quiet_end(&quiet, said, sizeof said);
+    throw;
+  }
+  placido_quiet_end(&quiet, said, sizeof said);
+  return !std::strstr(said, "Corrupt JPEG data") && !std::strstr(said, "Premature end of JPEG");
+}
+
 // A file's bytes, freed with the scope.
 class Bytes {
 public:
@@ -92,11 +110,11 @@ int decode(cv::Mat &decoded, placido_image_kind &kind, const char *path, placido
   const int flags = kind.alpha || kind.keeps_own_orientation
                         ? cv::IMREAD_UNCHANGED
                         : cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR;
-  {
-    Silence silence;
-    decoded = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size), CV_8U, bytes.text), flags);
-  }
+  const cv::Mat all(1, static_cast<int>(bytes.size), CV_8U, bytes.text);
   const char *name = placido_text_tail(path);
+  if (!decode_quietly(decoded, all, flags)) {
+    return placido_error_set(err, PLACIDO_INPUT, "%s: the JPEG file is cut off or damaged", name);
+  }
   if (decoded.empty()) {
     return placido_error_set(err, PLACIDO_INPUT, "%s: the image cannot be decoded", name);
   }

@@ -9,6 +9,8 @@
 #include <string.h>
 
 #define FORMAT "placido-session/1"
+#define RATE_MAX_HZ 1e6
+#define AXIS_Z_MAX_MM 100.0 /* as --axis-z has it */
 
 /* The fields that are text: where they stand in the file and in the struct. */
 typedef struct text_field {
@@ -35,6 +37,9 @@ static bool is_given(const placido_json *json, const char *path) {
 
 static int read_texts(placido_session_info *info, const placido_json *json, placido_error *err) {
   int status = PLACIDO_OK;
+  if (is_given(json, "device") && !json_is_object(placido_json_find(json, "device"))) {
+    status = placido_json_refuse(json, "device", err, "an object is expected");
+  }
   for (size_t i = 0; !status && i < text_field_count; i++) {
     const text_field *field = &text_fields[i];
     char path[64];
@@ -74,28 +79,29 @@ static int read_pixel_format(placido_session_info *info, const placido_json *jso
   return status;
 }
 
-/* A number that may be missing, and where it is given must not be under `min`. */
+/* A number that may be missing, and where it is given lies from `min` to `max`. */
 static int read_number(double *value, const placido_json *json, const char *path, double min,
-                       placido_error *err) {
+                       double max, placido_error *err) {
   *value = NAN;
   if (!is_given(json, path)) {
     return PLACIDO_OK;
   }
   int status = placido_json_number(json, path, value, err);
-  if (!status && *value < min) {
-    status = placido_json_refuse(json, path, err, "is %g, at least %g is expected", *value, min);
+  if (!status && (*value < min || *value > max)) {
+    status =
+        placido_json_refuse(json, path, err, "is %g, %g to %g is expected", *value, min, max);
   }
   return status;
 }
 
 static int read_numbers(placido_session_info *info, const placido_json *json,
                         placido_error *err) {
-  int status = read_number(&info->rate_hz, json, "frame_rate_hz", 0, err);
+  int status = read_number(&info->rate_hz, json, "frame_rate_hz", 0, RATE_MAX_HZ, err);
   if (!status) {
-    status = read_number(&info->axis_z_mm, json, "axis_z_mm", -INFINITY, err);
+    status = read_number(&info->axis_z_mm, json, "axis_z_mm", -AXIS_Z_MAX_MM, AXIS_Z_MAX_MM, err);
   }
   if (!status) {
-    status = read_number(&info->axis_z_sigma_mm, json, "axis_z_sigma_mm", 0, err);
+    status = read_number(&info->axis_z_sigma_mm, json, "axis_z_sigma_mm", 0, AXIS_Z_MAX_MM, err);
   }
   return status;
 }

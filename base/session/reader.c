@@ -81,10 +81,23 @@ static void settle_format(placido_session_info *info, const placido_video_reader
   }
 }
 
+/* The demuxer would wait for ever at a pipe. */
+static int check_regular(const char *path, placido_error *err) {
+  struct stat found;
+  if (stat(path, &found) == 0 && !S_ISREG(found.st_mode)) {
+    return placido_error_set(err, PLACIDO_INPUT, "%s is not a regular file",
+                             placido_text_tail(path));
+  }
+  return PLACIDO_OK;
+}
+
 static int open_video(placido_session_reader *reader, const char *folder, placido_notes *notes,
                       placido_error *err) {
   bool finished;
   int status = require(reader->video_path, folder, "frames.mkv", err);
+  if (!status) {
+    status = check_regular(reader->video_path, err);
+  }
   if (!status) {
     status = placido_matroska_check_end(&finished, reader->video_path, err);
   }

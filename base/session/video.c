@@ -10,6 +10,10 @@
 #include <stdio.h>
 #include <string.h>
 
+/* FFmpeg's own codes are four letters each and lie far below the negated numbers of errno, which
+ * the kernel keeps under this one. EINVAL alone says that the file makes no sense. */
+#define ERRNO_END 4096
+
 int placido_video_refuse(int code, const char *what, const char *path, placido_error *err) {
   char reason[AV_ERROR_MAX_STRING_SIZE] = "";
   av_strerror(code, reason, sizeof reason);
@@ -19,8 +23,7 @@ int placido_video_refuse(int code, const char *what, const char *path, placido_e
   } else if (code == AVERROR_DECODER_NOT_FOUND || code == AVERROR_ENCODER_NOT_FOUND ||
              code == AVERROR_MUXER_NOT_FOUND || code == AVERROR_DEMUXER_NOT_FOUND) {
     status = PLACIDO_UNSUPPORTED;
-  } else if (code == AVERROR(EACCES) || code == AVERROR(ENOENT) || code == AVERROR(ENOSPC) ||
-             code == AVERROR(EIO) || code == AVERROR(EROFS)) {
+  } else if (code > -ERRNO_END && code != AVERROR(EINVAL)) {
     status = PLACIDO_SYSTEM;
   }
   return placido_error_set(err, status, "%s %s: %s", what, placido_text_tail(path), reason);

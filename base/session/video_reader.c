@@ -1,6 +1,7 @@
 /* Reads frames.mkv: Matroska by libavformat, any lossless grey codec that libavcodec decodes. */
 #include "base/session/video.h"
 
+#include "base/file.h"
 #include "base/memory.h"
 #include "base/session/ffv1.h"
 #include "base/text.h"
@@ -11,6 +12,8 @@
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
+
+#define HEAD_BYTES ((size_t)1 << 20)
 
 struct placido_video_reader {
   AVFormatContext *container;
@@ -56,6 +59,21 @@ static int refuse_pixels(const placido_video_reader *video, enum AVPixelFormat p
                            placido_text_tail(video->path), name ? name : "unknown");
 }
 
+/* The demuxer calls a head that ends too early an input/output error, and frees what could tell a
+ * torn file from a broken disk: the file is read once more to know. */
+static int refuse_head(const char *path, placido_error *err) {
+  char *bytes;
+  size_t size;
+  int status = placido_file_read(&bytes, &size, path, HEAD_BYTES, err);
+  placido_memory_free(bytes);
+  if (status == PLACIDO_OK || status == PLACIDO_INPUT) { /* INPUT: longer than the head */
+    status = placido_error_set(err, PLACIDO_INPUT,
+                               "%s is torn or damaged in its head: no frame can be read",
+                               placido_text_tail(path));
+  }
+  return status;
+}
+
 /* Only the Matroska demuxer: others follow references to further files. */
 static int open_container(placido_video_reader *video, placido_error *err) {
   char *url = placido_video_url(video->path, err);
@@ -64,6 +82,9 @@ static int open_container(placido_video_reader *video, placido_error *err) {
   }
   int code = avformat_open_input(&video->container, url, av_find_input_format("matroska"), NULL);
   placido_memory_free(url);
+  if (code == AVERROR(EIO) || code == AVERROR_EOF || code == AVERROR_INVALIDDATA) {
+    return refuse_head(video->path, err);
+  }
   if (code < 0) {
     return placido_video_refuse(code, "cannot read", video->path, err);
   }

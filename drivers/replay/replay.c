@@ -1,7 +1,7 @@
 /* A recorded session, or one image file, as a device: its frames in order, at a chosen speed.
  *
- * A frame that cannot be decoded is left out, as a camera leaves out a frame that its bus lost: the
- * gap in `seq` shows it, and the message of PLACIDO_END counts them. */
+ * A frame that cannot be decoded is told as PLACIDO_INPUT in its turn, so that whoever counts
+ * frames counts as the recording does; the message of PLACIDO_END says how many there were. */
 #include "drivers/replay/replay.h"
 
 #include "base/memory.h"
@@ -42,6 +42,7 @@ typedef struct replay {
 
   placido_frame waiting; /* decoded, not yet due; of an image: the image */
   bool is_waiting;
+  bool joins;            /* the next frame is the first of a further round */
   bool any_taken;        /* the source is not at its first frame any more */
   int64_t round_count;   /* frames since the source's beginning */
   int64_t damaged_count; /* since start */
@@ -168,12 +169,12 @@ static int rewind_source(replay *state, placido_error *err) {
 
 static int replay_start(void *pointer, placido_error *err) {
   replay *state = pointer;
-  state->is_waiting = state->any_given = false;
+  state->is_waiting = state->any_given = state->joins = false;
   state->shift_t_ns = state->shift_seq = state->damaged_count = 0;
   return rewind_source(state, err);
 }
 
-/* The next frame of the source into `waiting`; damaged ones are passed over. */
+/* The next frame of the source into `waiting`. */
 static int take_from_source(replay *state, placido_error *err) {
   if (!state->session) {
     bool first = !state->any_taken;
@@ -181,31 +182,30 @@ static int take_from_source(replay *state, placido_error *err) {
     return first ? PLACIDO_OK
                  : placido_error_set(err, PLACIDO_END, "%s is a single image", state->info.uri);
   }
-  int status;
-  do {
-    state->any_taken = true;
-    status = placido_session_reader_next(state->session, &state->waiting, err);
-    state->damaged_count += status == PLACIDO_INPUT;
-  } while (status == PLACIDO_INPUT);
+  state->any_taken = true;
+  int status = placido_session_reader_next(state->session, &state->waiting, err);
+  state->damaged_count += status == PLACIDO_INPUT;
   if (status == PLACIDO_END && state->damaged_count > 0) {
-    placido_error_set(err, PLACIDO_END, "%s has no further frame (%lld damaged ones were left out)",
+    placido_error_set(err, PLACIDO_END, "%s has no further frame (%lld were damaged)",
                       placido_text_tail(state->info.uri), (long long)state->damaged_count);
   }
   return status;
 }
 
-/* Behind the last frame, time and counter go on by one frame's step into the next round. */
 static int begin_next_round(replay *state, placido_error *err) {
-  int64_t step_ns = state->rate_hz > 0 ? llround(1e9 / state->rate_hz) : 1;
   int status = rewind_source(state, err);
-  if (!status) {
-    status = take_from_source(state, err);
-  }
-  if (!status && state->session) {
+  state->joins = true;
+  return status ? status : take_from_source(state, err);
+}
+
+/* Behind the last frame, time and counter go on by one frame's step into the next round. */
+static void join_rounds(replay *state) {
+  int64_t step_ns = state->rate_hz > 0 ? llround(1e9 / state->rate_hz) : 1;
+  state->joins = false;
+  if (state->session) {
     state->shift_t_ns = state->last_t_ns + step_ns - state->waiting.t_ns;
     state->shift_seq = (int64_t)(state->last_seq + 1 - state->waiting.seq);
   }
-  return status;
 }
 
 static int fetch(replay *state, placido_error *err) {
@@ -215,6 +215,9 @@ static int fetch(replay *state, placido_error *err) {
   }
   if (status) {
     return status;
+  }
+  if (state->joins) {
+    join_rounds(state);
   }
   state->is_waiting = true;
   state->round_count++;

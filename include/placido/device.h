@@ -46,7 +46,8 @@ int placido_device_set(placido_device *device, const char *control, double value
                        placido_error *err);
 
 /* Frames flow from start to stop. next fills `frame` (the caller's) within timeout_ms; it returns
- * PLACIDO_END when there will be no further frame, PLACIDO_TIMEOUT when none came in time. */
+ * PLACIDO_END when there will be no further frame, PLACIDO_TIMEOUT when none came in time, and
+ * PLACIDO_INPUT where a frame came that cannot be decoded: the next one may be whole. */
 int placido_device_start(placido_device *device, placido_error *err);
 int placido_device_next(placido_device *device, placido_frame *frame, int timeout_ms,
                         placido_error *err);

@@ -10,7 +10,7 @@
 typedef struct placido_fit_options {
   double axis_z_mm;       /* z of the cornea at x = y = 0 [0] */
   double axis_z_sigma_mm; /* its standard deviation; 0 means exactly known */
-  double knot_mm;         /* knot spacing; [0.5, or finer where residuals ask for it] */
+  double knot_mm;         /* knot spacing, 0.15 to 2; [0.5, or finer where residuals ask for it] */
   double smoothing;       /* weight of the third-derivative penalty [1000] */
   int steps_max;          /* Gauss-Newton steps [40] */
   int threads;            /* [1]; the result does not depend on it */
@@ -31,8 +31,8 @@ typedef struct placido_fit_summary {
 } placido_fit_summary;
 
 /* Fits the surface. Sets used and residual_px in `mires`. Free with placido_fit_free.
- * Returns PLACIDO_OK, PLACIDO_QUALITY (too few points, or no convergence: the sentence says
- * which), PLACIDO_MEMORY. */
+ * Returns PLACIDO_OK, PLACIDO_INPUT (an option out of range), PLACIDO_QUALITY (too few points, no
+ * convergence, or no cornea: the sentence says which), PLACIDO_MEMORY. */
 int placido_fit_new(placido_fit **fit, placido_mires *mires,
                     const placido_instrument *instrument, const placido_fit_options *options,
                     placido_notes *notes, placido_error *err);

@@ -3,6 +3,8 @@
 #include <placido/reconstruct.h>
 
 #include "base/memory.h"
+#include "reconstruct/maps/kinds.h"
+#include "reconstruct/median.h"
 #include "reconstruct/solve/conic.h"
 #include "reconstruct/solve/mask.h"
 #include "reconstruct/solve/noise.h"
@@ -31,7 +33,15 @@
 #define MISFIT 1.3      /* spread over rough noise at which finer knots are tried */
 #define MISFIT_FAR 2.5  /* and at which the next finer ones would not do: they about halve it */
 
+/* Mean power of a whole cornea, keratometric: from a radius of 13.5 mm to one of 4.2 mm. */
+#define POWER_LEAST_D 25
+#define POWER_MOST_D 80
+#define POWER_STEP_MM 0.5
+#define POWER_GRID 32
+
 static const double KNOTS_MM[] = {0.5, 0.35, 0.25};
+#define KNOT_LEAST_MM 0.15 /* finer ones cost minutes and follow the noise */
+#define KNOT_MOST_MM 2.0
 #define KNOT_CHOICES (int)(sizeof KNOTS_MM / sizeof KNOTS_MM[0])
 
 /* What the stages hand on. */
@@ -219,6 +229,37 @@ static int build_surface(placido_fit *fit, const progress *p, placido_error *err
   return status;
 }
 
+/* Median of the mean power over the covered surface, on a coarse grid. */
+static double usual_power_D(const placido_surface *surface, double *work) {
+  double radius = placido_surface_radius_mm(surface);
+  int half = (int)fmin(POWER_GRID / 2, radius / POWER_STEP_MM);
+  size_t n = 0;
+  for (int j = -half; j <= half; j++) {
+    for (int i = -half; i <= half; i++) {
+      double x = i * POWER_STEP_MM, y = j * POWER_STEP_MM;
+      placido_map_point point = {.x_mm = x, .y_mm = y};
+      if (placido_surface_covered(surface, x, y) && placido_surface_at(surface, x, y, &point.jet)) {
+        work[n++] = placido_map_mean(&point);
+      }
+    }
+  }
+  return placido_quantile(work, n, 0.5);
+}
+
+/* A surface that follows the mires and is no cornea comes of a wrong distance, instrument or
+ * numbering. */
+static int check_power(const placido_surface *surface, placido_error *err) {
+  double work[(POWER_GRID + 1) * (POWER_GRID + 1)];
+  double power = usual_power_D(surface, work);
+  if (power > POWER_LEAST_D && power < POWER_MOST_D) {
+    return PLACIDO_OK;
+  }
+  return placido_error_set(err, PLACIDO_QUALITY,
+                           "the surface would have %.1f D, a cornea has %d to %d D: the distance, "
+                           "the instrument or the numbering is wrong",
+                           power, POWER_LEAST_D, POWER_MOST_D);
+}
+
 static void summarise(placido_fit *fit, const progress *p) {
   double sum = 0;
   for (size_t i = 0; i < p->count; i++) {
@@ -252,6 +293,11 @@ int placido_fit_new(placido_fit **fit, placido_mires *mires,
     return placido_error_set(err, PLACIDO_QUALITY, "only %zu edge points, at least %d are needed",
                              mires->count, POINTS_MIN);
   }
+  double knot_mm = options ? options->knot_mm : 0;
+  if (knot_mm != 0 && !(knot_mm >= KNOT_LEAST_MM && knot_mm <= KNOT_MOST_MM)) {
+    return placido_error_set(err, PLACIDO_INPUT, "knots every %g mm, expected %g to %g mm", knot_mm,
+                             KNOT_LEAST_MM, KNOT_MOST_MM);
+  }
   placido_fit *f = placido_memory_new(1, sizeof *f, err);
   int status = f ? PLACIDO_OK : PLACIDO_MEMORY;
   if (status || (status = placido_samples_new(&p.samples, mires, instrument, p.axis_z_mm, err)) ||
@@ -262,7 +308,8 @@ int placido_fit_new(placido_fit **fit, placido_mires *mires,
   f->normal = p.refinement.normal;
   p.refinement.normal = NULL;
   f->variance_scale = placido_noise_inflation(p.samples, p.count, p.mires);
-  if ((status = placido_fit_covariance(f, err)) || (status = build_surface(f, &p, err))) {
+  if ((status = placido_fit_covariance(f, err)) || (status = build_surface(f, &p, err)) ||
+      (status = check_power(f->surface, err))) {
     goto done;
   }
   summarise(f, &p);

@@ -6,8 +6,7 @@
 #include <placido/status.h>
 #include <stddef.h>
 
-/* One chart. Its margin is wider than half of the default PSF, so that the dark beyond the rim
- * stays off the figures. */
+/* One chart: the size of the picture and what is drawn in it. */
 typedef struct placido_chart {
   const char *name, *help;
   double width_arcmin, height_arcmin;

@@ -22,5 +22,5 @@ void placido_draw_spokes(placido_image *image, double arcmin_per_px, double x_ar
 }
 
 void placido_draw_fan(placido_image *image, double arcmin_per_px) {
-  placido_draw_spokes(image, arcmin_per_px, 160, 160, 90);
+  placido_draw_spokes(image, arcmin_per_px, 105, 105, 90);
 }

@@ -7,9 +7,9 @@
 #include <string.h>
 
 static const placido_chart charts[] = {
-  {"tumbling-e", "tumbling E from 20/160 to 20/10 with an astigmatic fan", 384, 296,
+  {"tumbling-e", "tumbling E from 20/160 to 20/10 with an astigmatic fan", 280, 210,
    placido_draw_tumbling_e},
-  {"fan", "astigmatic fan of 24 radial lines, 15 degrees apart", 320, 320, placido_draw_fan},
+  {"fan", "astigmatic fan of 24 radial lines, 15 degrees apart", 210, 210, placido_draw_fan},
 };
 
 const placido_chart *placido_chart_table(size_t *count) {

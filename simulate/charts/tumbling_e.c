@@ -6,10 +6,11 @@
 
 #include <stdio.h>
 
-/* Heights double from line to line; all of it falls on whole pixels at half a minute. */
+/* Heights double from line to line, 26' apart; all of it falls on whole pixels at half a minute.
+ * The picture is 280' by 210' with margins of 14'. */
 static const placido_e_line lines[] = {
-  {160, 40, 110, 66, 55, "rdlu"}, {80, 20, 110, 122, 32, "ulrd"}, {40, 10, 110, 156, 18, "dlur"},
-  {20, 5, 110, 178, 10, "lrdu"},  {10, 2.5, 110, 194, 6, "udrl"},
+  {160, 40, 58, 14, 56, "rdlu"}, {80, 20, 58, 80, 30, "ulrd"},   {40, 10, 58, 126, 18, "dlur"},
+  {20, 5, 58, 162, 12, "lrdu"},  {10, 2.5, 58, 193, 8, "udrl"},
 };
 
 const placido_e_line *placido_e_lines(size_t *count) {
@@ -44,7 +45,7 @@ static void draw_e(placido_image *image, double arcmin_per_px, double left, doub
 }
 
 static void draw_line(placido_image *image, double arcmin_per_px, const placido_e_line *line) {
-  const double cell_arcmin = 1.5, label_left = 66;
+  const double cell_arcmin = 1.5, label_left = 14;
   char label[16];
   snprintf(label, sizeof label, "20/%d", line->denominator);
   placido_paint_text(image, arcmin_per_px, label_left,
@@ -60,5 +61,5 @@ void placido_draw_tumbling_e(placido_image *image, double arcmin_per_px) {
   for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
     draw_line(image, arcmin_per_px, &lines[i]);
   }
-  placido_draw_spokes(image, arcmin_per_px, 278, 190, 40);
+  placido_draw_spokes(image, arcmin_per_px, 214, 142, 52);
 }

@@ -1,6 +1,7 @@
 /* A file or directory appears whole under its name, or not at all. */
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/temporary.h"
 #include "tests/base/scratch.h"
 
 #include <stdarg.h>
@@ -8,6 +9,7 @@
 #include <stdint.h>
 #include <setjmp.h>
 #include <cmocka.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -78,6 +80,30 @@ static void what_cannot_be_written_is_refused_by_name(void **state) {
   assert_int_equal(placido_file_create(&file, folder, &err), PLACIDO_SYSTEM);
   free(path);
   free(folder);
+}
+
+static void a_pipe_without_a_writer_is_empty(void **state) {
+  char *path = scratch_path(state, "pipe"), *text;
+  size_t size;
+  assert_int_equal(mkfifo(path, 0600), 0);
+  assert_int_equal(placido_file_read(&text, &size, path, 0, NULL), PLACIDO_OK);
+  assert_int_equal(size, 0);
+  placido_memory_free(text);
+  free(path);
+}
+
+static void temporary_names_are_hidden_from_people(void **state) {
+  (void)state;
+  char name[PLACIDO_PATH_MAX], text[4 * PLACIDO_PATH_MAX];
+  assert_int_equal(placido_temporary_name(name, "out", 12, "tmp", NULL), PLACIDO_OK);
+  snprintf(text, sizeof text, "cannot write %s/%s.x: %s", name, name, name);
+  placido_temporary_hide(text);
+  assert_string_equal(text, "cannot write out/out.x: out");
+  snprintf(text, sizeof text, "a.1-0.tmp and .%ld-", (long)getpid());
+  char before[4 * PLACIDO_PATH_MAX];
+  memcpy(before, text, sizeof before);
+  placido_temporary_hide(text);
+  assert_string_equal(text, before);
 }
 
 static void reading_is_bounded(void **state) {
@@ -206,6 +232,8 @@ int main(void) {
       TEST(a_full_disk_is_reported_and_leaves_nothing),
       TEST(what_cannot_be_written_is_refused_by_name),
       TEST(reading_is_bounded),
+      TEST(a_pipe_without_a_writer_is_empty),
+      TEST(temporary_names_are_hidden_from_people),
       TEST(a_directory_appears_at_commit),
       TEST(only_ones_own_kind_is_replaced),
       TEST(a_directory_that_cannot_be_is_refused_at_once),

@@ -314,6 +314,55 @@ static void a_damaged_png_is_refused(void **state) {
   free(path);
 }
 
+/* PNG files whose chunks and checksums are right, and whose contents are not. */
+static void lying_files_are_refused_in_silence(void **state) {
+  static const struct {
+    const char *bytes;
+    size_t size;
+  } files[] = {
+      /* fewer rows than its head says */
+      {"\211\120\116\107\015\012\032\012\000\000\000\015\111\110\104\122\000\000\000\004\000\000"
+       "\000\004\010\000\000\000\000\214\232\301\242\000\000\000\013\111\104\101\124\170\234\143"
+       "\140\000\001\000\000\006\000\001\376\214\147\310\000\000\000\000\111\105\116\104\256\102"
+       "\140\202",
+       68},
+      /* no palette */
+      {"\211\120\116\107\015\012\032\012\000\000\000\015\111\110\104\122\000\000\000\001\000\000"
+       "\000\001\010\003\000\000\000\050\313\064\273\000\000\000\012\111\104\101\124\170\234\143"
+       "\140\000\000\000\002\000\001\110\257\244\161\000\000\000\000\111\105\116\104\256\102\140"
+       "\202",
+       67},
+      /* no width */
+      {"\211\120\116\107\015\012\032\012\000\000\000\015\111\110\104\122\000\000\000\000\000\000"
+       "\000\004\010\000\000\000\000\205\161\141\330\000\000\000\011\111\104\101\124\170\234\143"
+       "\000\000\000\001\000\001\136\377\175\371\000\000\000\000\111\105\116\104\256\102\140\202",
+       66},
+      /* 3600 megapixels */
+      {"\211\120\116\107\015\012\032\012\000\000\000\015\111\110\104\122\000\000\352\140\000\000"
+       "\352\140\010\000\000\000\000\245\271\052\236\000\000\000\011\111\104\101\124\170\234\143"
+       "\000\000\000\001\000\001\136\377\175\371\000\000\000\000\111\105\116\104\256\102\140\202",
+       66},
+  };
+  for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+    char *path = scratch_write(state, "lying.png", files[i].bytes, files[i].size);
+    assert_int_equal(printed_while_refusing(state, path), 0);
+    free(path);
+  }
+}
+
+/* libjpeg would fill the lost half with grey: nothing that could be measured. */
+static void a_jpeg_with_a_gap_is_refused_in_silence(void **state) {
+  char *bytes;
+  size_t size;
+  const char *source = PLACIDO_TEST_DATA "/corner.jpg";
+  assert_int_equal(placido_file_read(&bytes, &size, source, 0, NULL), PLACIDO_OK);
+  memcpy(bytes + size - 10, "\xff\xd9", 2);
+  char *path = scratch_write(state, "gap.jpg", bytes, size - 8);
+  assert_int_equal(printed_while_refusing(state, path), 0);
+  placido_memory_free(bytes);
+  free(path);
+}
+
 static void a_missing_file_and_a_place_that_cannot_be_written_are_named(void **state) {
   char *path = scratch_path(state, "no/such.png");
   placido_image image;
@@ -375,6 +424,8 @@ int main(void) {
       TEST(broken_files_are_refused_in_silence),
       TEST(cut_files_are_refused_in_silence),
       TEST(a_damaged_png_is_refused),
+      TEST(lying_files_are_refused_in_silence),
+      TEST(a_jpeg_with_a_gap_is_refused_in_silence),
       TEST(a_missing_file_and_a_place_that_cannot_be_written_are_named),
       TEST(an_image_may_be_16384_wide),
       TEST(every_allocation_may_fail),

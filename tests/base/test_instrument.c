@@ -152,6 +152,7 @@ static void impossible_geometry_is_refused_at_its_line(void **state) {
       {"\"radius_mm\": 7.5, ", "", "i.json:13: field mires.edges[1].radius_mm: missing"},
       {"6.5", "-6.5", "i.json:12: field mires.edges[0].radius_mm: -6.5 mm must be positive"},
       {"71.25", "1e99", "i.json:12: field mires.edges[0].z_mm"},
+      {"71.25", "-20", "i.json:12: field mires.edges[0].z_mm: -20 mm: the edge lies behind"},
       {"71.25", "NaN", "i.json:12:"},
       {"\"edges\"", "\"edge\"", "i.json:9: field mires.edges: missing"},
       {"\"mires\"", "\"mire\"", "i.json:1: field mires.first_band: missing"},

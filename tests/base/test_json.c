@@ -179,6 +179,16 @@ static void binary_and_deeply_nested_files_do_no_harm(void **state) {
   free(nested);
 }
 
+static void a_byte_order_mark_is_no_part_of_the_text(void **state) {
+  placido_json *json = load(state, "\xef\xbb\xbf{\"format\": \"placido-test/1\",\n\"a\": 3}");
+  placido_error err;
+  double number;
+  assert_int_equal(placido_json_number(json, "a", &number, NULL), PLACIDO_OK);
+  placido_json_number(json, "b", &number, &err);
+  assert_string_equal(said(&err), "d.json:1: field b: missing (a number is expected)");
+  placido_json_free(json);
+}
+
 static void a_missing_file_is_a_system_error(void **state) {
   char *path = scratch_path(state, "none.json");
   placido_json *json;
@@ -239,6 +249,7 @@ int main(void) {
       TEST(unknown_keys_give_one_line),
       TEST(broken_files_are_refused_at_their_place),
       TEST(binary_and_deeply_nested_files_do_no_harm),
+      TEST(a_byte_order_mark_is_no_part_of_the_text),
       TEST(a_missing_file_is_a_system_error),
       TEST(numbers_read_back_bit_for_bit),
       TEST(every_allocation_may_fail),

@@ -25,6 +25,10 @@ printf 'not an image' > text.png
 exam_refuse 3 'text.png' text.png eye.instrument.json
 head -c 2000 eye.png > short.png
 exam_refuse 3 'short.png' short.png eye.instrument.json
+mkfifo pipe.png
+exam_refuse 3 'pipe.png: the file is empty' pipe.png eye.instrument.json
+exam_refuse 3 'pipe.png:1:1: the file is empty' eye.png pipe.png
+rm pipe.png
 refuse 1 'nowhere' exam eye.png --instrument eye.instrument.json -o nowhere/result
 refuse 3 'frame 7' exam eye.png --instrument eye.instrument.json --frame 7 -o result
 refuse 1 'scene.json' exam eye.png --instrument eye.instrument.json --scene scene.json -o result
@@ -44,6 +48,12 @@ exam_refuse 3 'type.json:[0-9]+: field camera.model' eye.png type.json
 tr -d '\n' < eye.instrument.json | sed -E 's/"focal_px": *\[[^]]*\]/"focal_px": ["a", 1]/' > element.json
 exam_refuse 3 'element.json:1: field camera.focal_px: element 0' eye.png element.json
 
+# An editor's byte order mark and line ends change nothing.
+{ printf '\357\273\277'; sed 's/$/\r/' eye.instrument.json; } > marked.json
+succeed reconstruct eye.png --instrument marked.json --axis-z 0 -o marked
+printf '{"format": "placido-instrument/1",\n"name": "\344"}' > latin.json
+exam_refuse 3 'latin.json:2.*UTF-8 is expected' eye.png latin.json
+
 echo "== geometry"
 tr -d '\n' < eye.instrument.json | sed -E 's/"focal_px": *\[[^]]*\]/"focal_px": [0, 10800]/' > focal.json
 exam_refuse 3 'focal.json:1: field camera.focal_px' eye.png focal.json
@@ -53,6 +63,8 @@ tr -d '\n' < eye.instrument.json | sed -E 's/"radius_mm": *[0-9.]+/"radius_mm": 
 exam_refuse 3 'radius.json:1: field mires.edges\[0\]' eye.png radius.json
 tr -d '\n' < eye.instrument.json | sed -E 's/"radius_mm": *[0-9.]+/"radius_mm": 1e999/' > huge.json
 exam_refuse 3 'huge.json' eye.png huge.json
+tr -d '\n' < eye.instrument.json | sed -E 's/"z_mm": *[0-9.]+/"z_mm": -20/' > behind.json
+exam_refuse 3 'behind.json:1: field mires.edges\[0\].z_mm: -20 mm: .*behind the cornea' eye.png behind.json
 tr -d '\n' < eye.instrument.json | sed -E 's/"image_size_px": *\[[^]]*\]/"image_size_px": [640, 480]/' > size.json
 exam_refuse 3 '1280.*640|640.*1280' eye.png size.json
 
@@ -105,8 +117,24 @@ if [ "$SESSIONS" = ON ]; then
   }
   # Torn within its head, nothing can be read; torn in the middle, what is whole can.
   cp -r eye.session torn.session
-  head -c 300 eye.session/frames.mkv > torn.session/frames.mkv
-  refuse '[13]' 'torn.session/frames.mkv' exam torn.session -o result
+  for bytes in 0 20 60 100 300 500; do
+    head -c "$bytes" eye.session/frames.mkv > torn.session/frames.mkv
+    refuse 3 'torn.session/frames.mkv .*torn' exam torn.session -o result
+  done
+  rm torn.session/frames.mkv
+  mkfifo torn.session/frames.mkv
+  refuse 3 'torn.session/frames.mkv is not a regular file' exam torn.session -o result
+  rm -r torn.session
+  # A frame that cannot be decoded keeps its number, and is told.
+  cp -r eye.session hurt.session
+  size=$(wc -c < hurt.session/frames.mkv)
+  printf '\252\252\252\252' | dd of=hurt.session/frames.mkv bs=1 seek=$((size / 6)) conv=notrunc 2> /dev/null
+  succeed reconstruct hurt.session --json -o hurt
+  says 'warning: 1 of 3 frames are damaged' err.txt
+  grep -Eq '"damaged": *1,?$' out.txt || fail "the damaged frame is not counted"
+  refuse 3 'frame 0 is damaged' reconstruct hurt.session --frame 0 -o result
+  succeed reconstruct hurt.session --frame 2 --json -o hurt
+  grep -Eq '"frame": *2,?$' out.txt || fail "frames are numbered without the damaged one"
   cp -r eye.session half.session
   size=$(wc -c < eye.session/frames.mkv)
   head -c $((size * 2 / 3)) eye.session/frames.mkv > half.session/frames.mkv
@@ -118,6 +146,8 @@ if [ "$SESSIONS" = ON ]; then
   refuse 3 'frames.mkv' exam none.session -o result
   edit_session eyed.session session.json 's/"OD"/"OX"/'
   refuse 3 'session.json:[0-9]+: field eye' exam eyed.session -o result
+  edit_session far.session session.json 's/"axis_z_mm": *[-0-9.e]+/"axis_z_mm": 1e300/'
+  refuse 3 'session.json:[0-9]+: field axis_z_mm: is 1e\+300, -100 to 100' exam far.session -o result
   edit_session wrong.session session.json 's|placido-session/1|placido-session/2|'
   refuse 3 'session.json:[0-9]+: .*placido-session/2' exam wrong.session -o result
   refuse 3 'frame 99' exam eye.session --frame 99 -o result

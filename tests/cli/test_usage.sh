@@ -37,6 +37,23 @@ refuse 2 '--axis-z 1,2,3' exam input.png -o out --axis-z 1,2,3
 refuse 2 'SIGMA is not negative' exam input.png -o out --axis-z 0,-1
 refuse 2 '--pupils 20: it ranges from 0.1 to 12' exam input.png -o out --pupils 2,20
 refuse 2 '--pupils: 2 stands twice' exam input.png -o out --pupils 2,4,2
+refuse 2 '--pupils 2,4,: a number was expected after each comma' exam input.png -o out --pupils 2,4,
+refuse 2 '--pupils: its value is empty' exam input.png -o out --pupils ''
+# Two pupils that would share a folder are one.
+refuse 2 '--pupils: 4 stands twice' exam input.png -o out --pupils 4,4.0000001
+# The ranges of the tables are the libraries' own: beyond them the command line is wrong, not an input.
+refuse 2 '--rays 4001: it ranges' exam input.png -o out --rays 4001
+refuse 2 '--meridians 23: it ranges' exam input.png -o out --meridians 23
+refuse 2 '--retina 4: it ranges' simulate surface.json -o out --retina 4
+refuse 2 '--correction 50,0,0: sphere' simulate surface.json -o out --correction 50,0,0
+refuse 2 '--motion 300,0: its length' phantom --eye sphere --instrument cone24 -o out.png --motion 300,0
+refuse 2 '--side od: OD or OS' phantom --eye sphere --instrument cone24 -o out.session --side od
+refuse 2 '--cwhatuc has buckets of its own' exam input.png -o out --cwhatuc --bucket 2
+refuse 2 'tumbling-e.png is taken' exam input.png -o out --scene tumbling-e --scene tumbling-e
+refuse 2 'INPUT .*is empty' exam '' -o out
+refuse 2 'help explains one command' help exam phantom
+refuse 2 'no command "two lines"' "two
+lines"
 refuse 2 '--meridians 90.5: a whole number' exam input.png -o out --meridians 90.5
 refuse 2 '"second.png" is one too many' exam input.png second.png -o out
 refuse 2 '--correction 1,2' simulate surface.json -o out --correction 1,2
@@ -45,6 +62,13 @@ refuse 2 '--instrument is missing' phantom --eye sphere -o out.png
 refuse 2 'FILE.png or NAME.session' phantom --eye sphere --instrument cone24 -o out.tiff
 refuse 3 'no built-in eye is called "square"' phantom --eye square --instrument cone24 -o out.png
 refuse 3 'square' phantom --eye sphere --instrument square -o out.png
+
+# Without a command: the overview, and why that is an error.
+status=0
+"$PLACIDO" > out.txt 2> err.txt || status=$?
+[ "$status" -eq 2 ] || fail "no command: exit $status"
+says '^placido: a command is missing$' err.txt
+says '^usage' out.txt
 
 # With --json the reason is on standard output as well, as an object.
 status=0
@@ -57,5 +81,18 @@ if [ -w /dev/full ]; then
   status=0
   "$PLACIDO" devices > /dev/full 2> err.txt || status=$?
   [ "$status" -eq 1 ] || fail "a full disk goes unnoticed"
+  for words in help --version 'exam --help'; do
+    status=0
+    # shellcheck disable=SC2086
+    "$PLACIDO" $words > /dev/full 2> err.txt || status=$?
+    [ "$status" -eq 1 ] || fail "$words: a full disk goes unnoticed"
+  done
 fi
+status=0
+"$PLACIDO" help >&- 2> err.txt || status=$?
+[ "$status" -eq 1 ] || fail "a closed standard output goes unnoticed"
+
+# More processors than the libraries take threads are no error.
+OMP_NUM_THREADS=1000 "$PLACIDO" --version > out.txt 2> err.txt || fail "1000 threads"
+says '^threads: (256|1)$' out.txt
 finish

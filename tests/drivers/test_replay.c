@@ -161,20 +161,49 @@ static void damage(void **state, size_t count, double from, double to) {
   free(path);
 }
 
-static void a_damaged_frame_is_left_out_and_counted(void **state) {
+static void a_damaged_frame_is_told_in_its_turn(void **state) {
   char *path = record(state);
   damage(state, 1, 0.5, 0.5);
   placido_device *device = start(path, 0, 0);
   placido_frame frame = {0};
   placido_error err = {0};
-  int got = 0, status;
-  while ((status = placido_device_next(device, &frame, 0, &err)) == PLACIDO_OK) {
-    recording_assert_frame(&frame, (int)frame.seq - 1000, PLACIDO_MONO16, 12, WIDTH, HEIGHT);
-    got++;
+  int turn = 0, damaged = 0, status;
+  while ((status = placido_device_next(device, &frame, 0, &err)) != PLACIDO_END) {
+    if (status == PLACIDO_INPUT) {
+      damaged++;
+    } else {
+      assert_int_equal(status, PLACIDO_OK);
+      recording_assert_frame(&frame, turn, PLACIDO_MONO16, 12, WIDTH, HEIGHT);
+    }
+    turn++;
   }
-  assert_int_equal(status, PLACIDO_END);
-  assert_int_equal(got, FRAMES - 1);
-  assert_non_null(strstr(err.text, "1 damaged"));
+  assert_int_equal(turn, FRAMES);
+  assert_int_equal(damaged, 1);
+  assert_non_null(strstr(err.text, "1 were damaged"));
+  placido_frame_free(&frame);
+  placido_device_close(device);
+  free(path);
+}
+
+static void a_round_that_opens_with_damage_joins_the_last_one(void **state) {
+  char *path = record(state);
+  damage(state, 1, 0.15, 0.15);
+  placido_device *device = start(path, 0, 1);
+  placido_frame frame = {0};
+  int64_t last_ns = INT64_MIN;
+  int damaged = 0;
+  for (int i = 0; i < 3 * FRAMES; i++) {
+    int status = placido_device_next(device, &frame, 0, NULL);
+    if (status == PLACIDO_INPUT) {
+      assert_int_equal(i % FRAMES, 0);
+      damaged++;
+      continue;
+    }
+    assert_int_equal(status, PLACIDO_OK);
+    assert_true(frame.t_ns > last_ns);
+    last_ns = frame.t_ns;
+  }
+  assert_int_equal(damaged, 3);
   placido_frame_free(&frame);
   placido_device_close(device);
   free(path);
@@ -186,8 +215,11 @@ static void a_loop_over_nothing_but_damage_ends(void **state) {
   placido_device *device = start(path, 0, 1);
   placido_frame frame = {0};
   placido_error err = {0};
+  for (int i = 0; i < FRAMES; i++) {
+    assert_int_equal(placido_device_next(device, &frame, 0, &err), PLACIDO_INPUT);
+  }
   assert_int_equal(placido_device_next(device, &frame, 0, &err), PLACIDO_END);
-  assert_non_null(strstr(err.text, "5 damaged"));
+  assert_non_null(strstr(err.text, "5 were damaged"));
   placido_frame_free(&frame);
   placido_device_close(device);
   free(path);
@@ -221,7 +253,8 @@ int main(void) {
       TEST(rounds_go_on_in_time_and_number),
       TEST(frames_wait_for_their_time),
       TEST(a_deadline_passes_and_the_frame_is_not_lost),
-      TEST(a_damaged_frame_is_left_out_and_counted),
+      TEST(a_damaged_frame_is_told_in_its_turn),
+      TEST(a_round_that_opens_with_damage_joins_the_last_one),
       TEST(a_loop_over_nothing_but_damage_ends),
       TEST(every_allocation_may_fail),
   };

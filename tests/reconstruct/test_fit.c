@@ -232,6 +232,31 @@ static void what_cannot_be_a_cornea_is_refused(void **state) {
   placido_surface_free(truth);
 }
 
+/* An impossible distance or knots beyond reason end in a sentence, not in a surface. */
+static void absurd_options_are_refused(void **state) {
+  (void)state;
+  placido_instrument instrument = cone();
+  placido_surface *truth = conicoid(7.8, -0.2, 0, 0);
+  placido_mires mires = truth_points(truth, &instrument, MERIDIANS, NOISE_PX, NULL);
+  static const struct {
+    placido_fit_options options;
+    int status;
+  } cases[] = {
+      {{.axis_z_mm = 50}, PLACIDO_QUALITY},
+      {{.axis_z_mm = -60}, PLACIDO_QUALITY},
+      {{.knot_mm = 0.1}, PLACIDO_INPUT},
+      {{.knot_mm = NAN}, PLACIDO_INPUT},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    placido_fit *fit;
+    assert_int_equal(placido_fit_new(&fit, &mires, &instrument, &cases[i].options, NULL, NULL),
+                     cases[i].status);
+    assert_null(fit);
+  }
+  placido_mires_free(&mires);
+  placido_surface_free(truth);
+}
+
 static void threads_change_no_bit(void **state) {
   (void)state;
   placido_instrument instrument = cone();
@@ -264,6 +289,7 @@ int main(void) {
       cmocka_unit_test(a_turned_eye_gives_a_turned_surface),
       cmocka_unit_test(the_distance_s_uncertainty_is_carried_on),
       cmocka_unit_test(what_cannot_be_a_cornea_is_refused),
+      cmocka_unit_test(absurd_options_are_refused),
       cmocka_unit_test(threads_change_no_bit),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -59,6 +59,23 @@ placido_surface *ridged(double index, double slope, double offset_mm, double axi
   return make(parts, 2);
 }
 
+placido_surface *comatic(double index, double coma_um) {
+  placido_part parts[2] = {biconic(7.8, 7.8, -1 / (index * index), 0),
+                           {.kind = PLACIDO_PART_ZERNIKE}};
+  parts[1].as.zernike.radius_mm = radius_mm;
+  parts[1].as.zernike.coefficients_um[7] = coma_um;
+  return make(parts, 2);
+}
+
+placido_surface *cone(double height_mm, double sigma_mm, double x_mm, double y_mm) {
+  placido_part parts[2] = {biconic(7.7, 7.55, -0.3, 20), {.kind = PLACIDO_PART_BUMP}};
+  parts[1].as.bump.height_mm = height_mm;
+  parts[1].as.bump.sigma_x_mm = parts[1].as.bump.sigma_y_mm = sigma_mm;
+  parts[1].as.bump.x_mm = x_mm;
+  parts[1].as.bump.y_mm = y_mm;
+  return make(parts, 2);
+}
+
 placido_surface *flat(void) {
   placido_part part = {.kind = PLACIDO_PART_ZERNIKE};
   part.as.zernike.radius_mm = radius_mm;

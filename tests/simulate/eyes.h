@@ -15,6 +15,13 @@ placido_surface *keratoconus(double turn_deg);
  * an extra slope: light from it makes a second image. */
 placido_surface *ridged(double index, double slope, double offset_mm, double axis_deg);
 
+/* A perfect cornea for `index` with vertical coma: OSA term 7 over a radius of 4.5 mm, micrometres
+ * of sag; below zero the lower half is steeper. */
+placido_surface *comatic(double index, double coma_um);
+
+/* A cone of height_mm and width sigma_mm at (x, y) on a toric base. */
+placido_surface *cone(double height_mm, double sigma_mm, double x_mm, double y_mm);
+
 /* No curvature at all. */
 placido_surface *flat(void);
 

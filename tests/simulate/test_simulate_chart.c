@@ -99,21 +99,71 @@ static void test_polygon_covers_its_area(void **state) {
   placido_image_free(&image);
 }
 
-/* Half of the default PSF is 64.25': that much white around, so that the dark beyond the rim stays
- * off the figures. */
-static void test_margin_is_wider_than_half_the_psf(void **state) {
+/* The default PSF reaches 128 buckets to a side: that much white around the chart, and a margin of
+ * 12' of the chart's own. */
+static void test_bleed_and_margin_are_white(void **state) {
   (void)state;
   size_t count;
   const placido_chart *charts = placido_chart_table(&count);
   for (size_t k = 0; k < count; k++) {
-    placido_image image = drawn(charts[k].name, 0.5);
-    for (int y = 0; y < image.height_px; y++) {
-      for (int x = 0; x < image.width_px; x++) {
-        bool margin = x < 129 || y < 129 || x >= image.width_px - 129 || y >= image.height_px - 129;
-        assert_true(!margin || at(&image, x, y) == 1);
+    placido_scene scene;
+    assert_int_equal(placido_scene_load(&scene, charts[k].name, NULL, NULL), PLACIDO_OK);
+    assert_int_equal(scene.bleed_px, 128);
+    const placido_image *image = &scene.image;
+    int rim = 128 + 24;
+    for (int y = 0; y < image->height_px; y++) {
+      for (int x = 0; x < image->width_px; x++) {
+        bool margin =
+          x < rim || y < rim || x >= image->width_px - rim || y >= image->height_px - rim;
+        assert_true(!margin || at(image, x, y) == 1);
       }
     }
-    placido_image_free(&image);
+    placido_scene_free(&scene);
+  }
+}
+
+/* Even light over a disc, sum 1. */
+static placido_psf disc_psf(double *values, double radius_arcmin) {
+  int inside = 0;
+  for (int pass = 0; pass < 2; pass++) {
+    for (int i = 0; i < 257 * 257; i++) {
+      bool in = hypot(i % 257 - 128, i / 257 - 128) * 0.5 <= radius_arcmin;
+      inside += pass == 0 && in;
+      values[i] = pass == 1 && in ? 1.0 / inside : 0;
+    }
+  }
+  return (placido_psf){.n = 257, .bucket_arcmin = 0.5, .values = values};
+}
+
+/* What is seen is the chart alone, 280' × 210' and 210' × 210', and through a blur that does not
+ * reach from its edge to its figures the edge is white all around. 1e-3 is far below an 8-bit step
+ * and above the transform's rounding. */
+static void test_seen_chart_has_no_dark_rim(void **state) {
+  (void)state;
+  static const struct {
+    const char *name;
+    int width_px, height_px;
+  } rows[] = {{"tumbling-e", 560, 420}, {"fan", 420, 420}};
+  static double values[257 * 257];
+  placido_psf psf = disc_psf(values, 12);
+  for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+    placido_scene scene;
+    placido_image seen;
+    assert_int_equal(placido_scene_load(&scene, rows[k].name, NULL, NULL), PLACIDO_OK);
+    assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, NULL), PLACIDO_OK);
+    assert_int_equal(seen.width_px, rows[k].width_px);
+    assert_int_equal(seen.height_px, rows[k].height_px);
+    double darkest = 1;
+    for (int y = 0; y < seen.height_px; y++) {
+      for (int x = 0; x < seen.width_px; x++) {
+        bool edge = x == 0 || y == 0 || x == seen.width_px - 1 || y == seen.height_px - 1;
+        darkest = fmin(darkest, at(&seen, x, y));
+        assert_true(!edge || fabs(1 - (double)at(&seen, x, y)) < 1e-3);
+      }
+    }
+    assert_true(darkest < 0.9); /* the figures are there, blurred */
+    placido_image_free(&seen);
+    placido_scene_free(&scene);
   }
 }
 
@@ -142,7 +192,8 @@ int main(void) {
     cmocka_unit_test(test_lines_run_from_20_160_to_20_10),
     cmocka_unit_test(test_coverage_is_exact_at_any_scale),
     cmocka_unit_test(test_polygon_covers_its_area),
-    cmocka_unit_test(test_margin_is_wider_than_half_the_psf),
+    cmocka_unit_test(test_bleed_and_margin_are_white),
+    cmocka_unit_test(test_seen_chart_has_no_dark_rim),
     cmocka_unit_test(test_unknown_charts_name_the_known),
     cmocka_unit_test(test_chart_scales_are_bounded),
   };

@@ -155,6 +155,49 @@ static void test_colours_are_alike_and_alpha_stays(void **state) {
   placido_image_free(&two);
 }
 
+/* White as far as the PSF reaches is white through any PSF; alpha is cut with the rest. */
+static void test_bleed_spreads_into_the_picture_and_is_cut(void **state) {
+  (void)state;
+  static double values[31 * 31];
+  placido_psf psf = noise_psf(values, 31);
+  placido_scene scene = {.arcmin_per_px = 0.5, .bleed_px = 15, .image = noise_image(50, 40, 4)};
+  placido_image seen, whole = convolved(&scene.image, &psf, 1);
+  assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, NULL), PLACIDO_OK);
+  assert_int_equal(seen.width_px, 20);
+  assert_int_equal(seen.height_px, 10);
+  for (int plane = 0; plane < 4; plane++) {
+    for (int y = 0; y < 10; y++) {
+      assert_memory_equal(placido_image_plane(&seen, plane) + y * 20,
+                          placido_image_plane(&whole, plane) + (y + 15) * 50 + 15,
+                          20 * sizeof(float));
+    }
+  }
+  placido_image_free(&seen);
+  for (int i = 0; i < 50 * 40; i++) {
+    scene.image.data[i] = 1;
+  }
+  assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, NULL), PLACIDO_OK);
+  for (int i = 0; i < 20 * 10; i++) {
+    assert_near(seen.data[i], 1, 1e-5); /* single precision over a few thousand samples */
+  }
+  placido_image_free(&seen);
+  placido_image_free(&whole);
+  placido_scene_free(&scene);
+}
+
+static void test_bleed_without_a_picture_is_refused(void **state) {
+  (void)state;
+  double values[1] = {1};
+  placido_psf psf = {.n = 1, .bucket_arcmin = 0.5, .values = values};
+  placido_scene scene = {.arcmin_per_px = 0.5, .bleed_px = 20, .image = noise_image(40, 60, 1)};
+  placido_image seen;
+  assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, NULL), PLACIDO_INPUT);
+  scene.bleed_px = -1;
+  assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, NULL), PLACIDO_INPUT);
+  assert_null(seen.data);
+  placido_scene_free(&scene);
+}
+
 static void test_good_lengths_have_small_factors_and_are_even(void **state) {
   (void)state;
   assert_int_equal(placido_fft_good_length(768), 768);
@@ -170,6 +213,8 @@ int main(void) {
     cmocka_unit_test(test_transform_agrees_with_the_sum),
     cmocka_unit_test(test_light_is_conserved_inside_a_dark_margin),
     cmocka_unit_test(test_colours_are_alike_and_alpha_stays),
+    cmocka_unit_test(test_bleed_spreads_into_the_picture_and_is_cut),
+    cmocka_unit_test(test_bleed_without_a_picture_is_refused),
     cmocka_unit_test(test_good_lengths_have_small_factors_and_are_even),
   };
   return cmocka_run_group_tests_name("simulate_convolve", tests, NULL, NULL);

@@ -104,6 +104,28 @@ static void test_ghost_of_a_right_ridge_is_seen_at_smaller_columns(void **state)
   placido_surface_free(surface);
 }
 
+/* Coma, lower half steeper, focus kept in the middle: light from below has crossed the axis before
+ * the retina, meets it above, and what is above on the retina is seen below: the comet's tail hangs
+ * down. Light from above has not yet met and arrives above too. */
+static void test_tail_of_a_cornea_steeper_below_hangs_down(void **state) {
+  (void)state;
+  double n = 1.3375;
+  placido_surface *surface = comatic(n, -15);
+  placido_eye eye = {.pupil_mm = 4, .index = n, .retina_mm = n / (n - 1) * 7.8};
+  placido_psf psf = psf_of(surface, &eye, &(placido_optics){0});
+  moments m = moments_of(&psf);
+  double above = 0;
+  for (int i = 0; i < psf.n * (psf.n / 2 - 4); i++) {
+    above += psf.values[i];
+  }
+  assert_near(m.sum, 1, 1e-12);
+  assert_true(m.row > 4); /* rows grow downwards */
+  assert_near(m.column, 0, 0.1);
+  assert_near(above, 0, 0); /* nothing 2' above the tip */
+  placido_psf_free(&psf);
+  placido_surface_free(surface);
+}
+
 static void test_result_does_not_depend_on_threads(void **state) {
   (void)state;
   placido_surface *surface = keratoconus(0);
@@ -225,6 +247,7 @@ int main(void) {
     cmocka_unit_test(test_psf_sums_to_the_share_that_landed),
     cmocka_unit_test(test_ghost_of_an_upper_ridge_is_seen_above),
     cmocka_unit_test(test_ghost_of_a_right_ridge_is_seen_at_smaller_columns),
+    cmocka_unit_test(test_tail_of_a_cornea_steeper_below_hangs_down),
     cmocka_unit_test(test_result_does_not_depend_on_threads),
     cmocka_unit_test(test_what_was_found_traces_to_the_same_psf),
     cmocka_unit_test(test_cwhatuc_counts_in_buckets_of_2500_nm),

@@ -84,6 +84,7 @@ static void test_photographs_become_linear_light(void **state) {
                         NULL, NULL),
                    PLACIDO_OK);
   assert_int_equal(scene.image.planes, 3);
+  assert_int_equal(scene.bleed_px, 0);
   assert_near(scene.image.data[0], 0.5028865, 1e-5);
   assert_string_equal(scene.name, "a wall-white"); /* the stem of a file */
   placido_scene_free(&scene);
@@ -105,6 +106,28 @@ static void test_finer_scenes_are_brought_to_the_bucket(void **state) {
   assert_int_equal(seen.width_px, 20);
   assert_int_equal(seen.height_px, 10);
   assert_near(seen.data[5 * 20 + 10], 0.5028865, 1e-5);
+  placido_image_free(&seen);
+  placido_scene_free(&scene);
+}
+
+/* A chart drawn at 0.3' is seen at the bucket's 0.5' as large as one drawn at 0.5', and as white
+ * at its edge. */
+static void test_finer_charts_keep_their_size_and_lose_their_bleed(void **state) {
+  (void)state;
+  double values[9] = {0, 0, 0, 0, 1, 0, 0, 0, 0};
+  placido_psf psf = {.n = 3, .bucket_arcmin = 0.5, .values = values};
+  placido_scene scene;
+  placido_image seen;
+  assert_int_equal(load(&scene,
+                        "\"image\": \"tumbling-e\", \"calibration\": "
+                        "{\"kind\": \"arcmin_per_px\", \"value\": 0.3}",
+                        NULL, NULL),
+                   PLACIDO_OK);
+  assert_int_equal(scene.bleed_px, 214); /* 64' / 0.3' rounded up */
+  assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, NULL), PLACIDO_OK);
+  assert_int_equal(seen.width_px, 560);
+  assert_int_equal(seen.height_px, 420);
+  assert_near(seen.data[0], 1, 1e-5);
   placido_image_free(&seen);
   placido_scene_free(&scene);
 }
@@ -138,6 +161,7 @@ static void test_charts_take_the_scene_s_calibration(void **state) {
                         NULL, NULL),
                    PLACIDO_OK);
   assert_int_equal(quarter.image.width_px, 2 * half.image.width_px);
+  assert_int_equal(quarter.bleed_px, 2 * half.bleed_px);
   assert_string_equal(quarter.name, "tumbling-e");
   placido_scene_free(&half);
   placido_scene_free(&quarter);
@@ -200,6 +224,7 @@ int main(void) {
     cmocka_unit_test(test_calibrations_are_what_geometry_says),
     cmocka_unit_test(test_photographs_become_linear_light),
     cmocka_unit_test(test_finer_scenes_are_brought_to_the_bucket),
+    cmocka_unit_test(test_finer_charts_keep_their_size_and_lose_their_bleed),
     cmocka_unit_test(test_coarser_scenes_are_refused_with_the_numbers),
     cmocka_unit_test(test_charts_take_the_scene_s_calibration),
     cmocka_unit_test(test_errors_name_file_line_and_field),
