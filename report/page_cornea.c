@@ -7,7 +7,8 @@
 #include <ctype.h>
 #include <string.h>
 
-/* A name of indices.json as words: "simk_flat_D" in D becomes "Simk flat". */
+/* A name of indices.json as words: "simk_flat_D" in D becomes "SimK flat", as the field
+ * spells it. */
 static void write_index_name(FILE *stream, const placido_index_value *index) {
   char words[128], *last;
   snprintf(words, sizeof words, "%s", index->name);
@@ -20,6 +21,9 @@ static void write_index_name(FILE *stream, const placido_index_value *index) {
     *at = *at == '_' ? ' ' : *at;
   }
   words[0] = (char)toupper((unsigned char)words[0]);
+  if (strncmp(words, "Simk", 4) == 0) {
+    words[3] = 'K';
+  }
   placido_html_text(stream, words);
 }
 

@@ -142,7 +142,7 @@ static void figures_are_shown_with_their_errors(void **state) {
                            .axis_z_mm = 0.0123,
                            .axis_z_sigma_mm = 0.05};
   char *text = write_report(state, &report);
-  assert_non_null(strstr(text, ">Simk flat</th>"));
+  assert_non_null(strstr(text, ">SimK flat</th>"));
   assert_non_null(strstr(text, "43.271 ± 0.021"));
   assert_non_null(strstr(text, "<td class=\"number\">–</td>"));
   assert_non_null(strstr(text, "8300, 96.1 % of 48 edges on 180 meridians"));
