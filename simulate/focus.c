@@ -23,12 +23,15 @@ enum {
   PARTS_MAX = CENTRED + 2 * (2 * LATTICE + 1) * (2 * LATTICE + 1),
   KEPT = 4,        /* trials that are tried again */
   SHIFTS = 10,     /* to either side */
+  TRIALS_MAX = PARTS_MAX,
   STEPS = 2,       /* for each width */
   LAST_STEPS = 24,
   STRETCH_MAX = 16 /* times a step */
 };
 
-static const double wide_arcmin = 1;
+_Static_assert(KEPT * (2 * SHIFTS + 1) <= TRIALS_MAX, "neighbours find room among the trials");
+
+static const double wide_arcmin = 0.8;
 static const double narrow_arcmin = 0.4;
 static const double trifle_D = 0.002;
 static const double vergence_min_D = 5, vergence_max_D = 300; /* retina 270 to 4.5 mm away */
@@ -217,7 +220,7 @@ static int keep_best(const trial *trials, int count, trial *kept, int kept_max,
 
 /* Climbs again from the best trials' neighbours, whole numbers of `direction` × step_D away; what
  * is found replaces `trials`. Returns how many there are. */
-static int try_neighbours(search *s, trial trials[PARTS_MAX], int count,
+static int try_neighbours(search *s, trial trials[TRIALS_MAX], int count,
                           const placido_aim *direction) {
   trial kept[KEPT];
   int kept_count = keep_best(trials, count, kept, KEPT, step_D(s) / 2);
@@ -241,7 +244,7 @@ static bool settle(search *s, trial *t) {
 }
 
 /* Every trial that the parts lead to; `count` of them, none where the middle has no power. */
-static int find_trials(search *s, trial trials[PARTS_MAX], double *power_D) {
+static int find_trials(search *s, trial trials[TRIALS_MAX], double *power_D) {
   placido_patch parts[PARTS_MAX];
   const placido_correction *worn = &s->eye.correction;
   int part_count = pupil_parts(&s->eye, parts), count = 0;
@@ -269,7 +272,7 @@ static void drop_trifle(placido_correction *correction) {
 }
 
 static int decide(search *s, placido_eye *eye, placido_error *err) {
-  trial trials[PARTS_MAX], last[2];
+  trial trials[TRIALS_MAX], last[2];
   double power_D;
   placido_pencil_trace(&s->pencil, s->focus->sparse, eye);
   int count = find_trials(s, trials, &power_D), settled = 0;
