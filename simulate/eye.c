@@ -52,7 +52,7 @@ static int default_to(int value, int otherwise) { return value == 0 ? otherwise 
 int placido_optics_settle(placido_optics *settled, const placido_optics *optics,
                           placido_error *err) {
   *settled = *optics;
-  settled->samples = default_to(settled->samples, 400);
+  settled->samples = default_to(settled->samples, settled->cwhatuc ? 100 : 400); /* as the seed */
   settled->buckets = default_to(settled->buckets, 257);
   settled->threads = default_to(settled->threads, 1);
   if (settled->bucket_arcmin == 0) {

@@ -23,7 +23,7 @@ enum {
   PARTS_MAX = CENTRED + 2 * (2 * LATTICE + 1) * (2 * LATTICE + 1),
   KEPT = 4,        /* trials that are tried again */
   SHIFTS = 10,     /* to either side */
-  TRIALS_MAX = PARTS_MAX,
+  TRIALS_MAX = PARTS_MAX, /* a part each, later the kept ones with their neighbours */
   STEPS = 2,       /* for each width */
   LAST_STEPS = 24,
   STRETCH_MAX = 16 /* times a step */

@@ -130,7 +130,7 @@ static const struct option_row seeing_rows[] = {
     {"index", 0, "N", "Refractive index behind the cornea (default 1.3375).", FIELD(index),
      parse_number, 1.01, 2},
     {"rays", 0, "N", "Rays: a crosshatch of N×N and (N-1)×(N-1) over the pupil's square (default "
-     "400; 100 gives the 19,801 points of CWhatUC).", FIELD(samples), parse_integer, 2, 4000},
+     "400; with --cwhatuc 100, its 19,801 points).", FIELD(samples), parse_integer, 2, 4000},
     {"bucket", 0, "ARCMIN", "Width of a bucket of the point spread function, minutes of arc "
      "(default 0.5).", FIELD(bucket_arcmin), parse_number, 0.01, 10},
     {"cwhatuc", 0, NULL, "As the program CWhatUC did it: buckets of 2.5 µm, each called half a "

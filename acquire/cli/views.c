@@ -112,8 +112,7 @@ static int see_scene(struct examination *examination, struct view *view, size_t 
   const int status = placido_scene_see(&view->seen[scene], &views->scenes[scene], &view->psf,
                                        examination->threads, &reason);
   if (status == PLACIDO_QUALITY) {
-    placido_notes_add(&examination->outcome->notes, "scene %s left out: %s",
-                      views->scenes[scene].name, reason.text);
+    placido_notes_add(&examination->outcome->notes, "left out: %s", reason.text);
     return PLACIDO_OK;
   }
   if (status != PLACIDO_OK) {

@@ -24,6 +24,8 @@ typedef struct placido_mires {
   size_t count;
   placido_mire_point *points; /* ordered by edge, then meridian */
   double coverage;            /* share of edge_count × meridian_count that was found */
+  double stray;    /* share of the meridians on which strong edges among the numbered ones have no
+                      number: lashes, or a cornea that folds the mires */
   double contrast;            /* mean edge height over the image's full range */
 } placido_mires;
 

@@ -33,7 +33,8 @@ typedef struct placido_eye {
 
 /* How it is computed; zero means the default in brackets. */
 typedef struct placido_optics {
-  int samples;          /* crosshatch of N×N plus (N-1)×(N-1) rays over the pupil's square [400] */
+  int samples;          /* crosshatch of N×N plus (N-1)×(N-1) rays over the pupil's square [400,
+                           100 with cwhatuc] */
   int buckets;          /* of the PSF, odd [257] */
   double bucket_arcmin; /* [0.5] */
   bool cwhatuc;         /* the seed's fixed 2.5 µm buckets, each called half a minute */

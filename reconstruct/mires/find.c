@@ -94,6 +94,31 @@ static int collect(placido_mires *mires, const placido_crossings *all, int strid
   return PLACIDO_OK;
 }
 
+/* Share of the meridians on which an edge at least half as strong as the numbered ones lies between
+ * two of them without a number. */
+static double stray_share(const placido_crossings *all) {
+  double strength = 0;
+  size_t count = 0;
+  int stray = 0;
+  for (size_t i = 0; i < all->count; i++) {
+    if (all->list[i].edge >= 0) {
+      strength += fabs(all->list[i].slope);
+      count++;
+    }
+  }
+  for (int m = 0; m < all->meridians; m++) {
+    bool inside = false, strong = false, between = false;
+    for (size_t i = all->first[m]; i < all->first[m + 1]; i++) {
+      const placido_crossing *c = &all->list[i];
+      between |= strong && c->edge >= 0;
+      inside |= c->edge >= 0;
+      strong |= inside && c->edge < 0 && fabs(c->slope) > 0.5 * strength / (double)count;
+    }
+    stray += between;
+  }
+  return (double)stray / all->meridians;
+}
+
 /* Refuses where too few edges were seen: never a pretty map from four mires. */
 static int check_enough(const placido_mires *mires, int edges_min, placido_error *err) {
   int enough = 0;
@@ -161,6 +186,7 @@ int placido_mires_find(placido_mires *mires, const placido_frame *frame,
       (status = placido_chains_number(&chains, &crossings, instrument, yard.expected_px, err))) {
     goto done;
   }
+  mires->stray = stray_share(&crossings);
   placido_crossings_measure(&crossings, &polar, threads);
   mires->centre_u_px = centre[0];
   mires->centre_v_px = centre[1];

@@ -22,6 +22,11 @@
 #define CUT_MOST 0.3    /* share of the points: more means that the model is wrong, not the points */
 #define CUT_MANY 0.1    /* share that the user is told of */
 
+/* A fold leaves a small residual and a wrong surface; it shows in points that do not fit together
+ * with edges that cannot be numbered. Lashes give the one, a broken tear film the other. */
+#define FOLD_CUT 0.06
+#define FOLD_STRAY 0.05
+
 /* Relative fall of the cost at which an iteration ends. In the last one 2e-4 is a few units of chi
  * square, far less than the hundreds of unknowns scatter by. */
 #define SETTLED 2e-4
@@ -186,6 +191,13 @@ static int fit_robust(progress *p, placido_grid *grid, placido_notes *notes,
     if (!status) {
       status = placido_refinement_run(r, pass ? SETTLED : SETTLED_ROUGHLY, err);
     }
+  }
+  if (!status && (double)cut > FOLD_CUT * (double)p->count && p->mires->stray > FOLD_STRAY) {
+    status = placido_error_set(err, PLACIDO_QUALITY,
+                               "the mires contradict each other: %.0f %% of the edge points do not "
+                               "lie on any smooth cornea, and on %.0f %% of the meridians edges "
+                               "among them cannot be numbered, as where a cornea folds the mires",
+                               100.0 * (double)cut / (double)p->count, 100 * p->mires->stray);
   }
   if (!status) {
     status = placido_outliers_judge(p->samples, p->count, p->mires, r->work, notes, err);

@@ -192,7 +192,7 @@ static int write_coefficients(json_t *object, const placido_part *part) {
   json_t *list = json_object();
   int failed = json_object_set_new(object, "coefficients_um", list);
   for (int j = 0; j < PLACIDO_ZERNIKE_TERMS && !failed; j++) {
-    char key[8];
+    char key[16];
     snprintf(key, sizeof key, "%d", j);
     if (part->as.zernike.coefficients_um[j] != 0) {
       failed =
