@@ -117,7 +117,7 @@ static const struct option_row measuring_rows[] = {
     {"frame", 0, "N", "Frame to examine, counted from 0 (default: the one that shows the mires "
      "best).", FIELD(frame), parse_integer, 0, 2e9},
     {"knots", 0, "MM", "Knot spacing of the surface's spline, mm (default: 0.5, or finer where the "
-     "residuals ask for it).", FIELD(knot_mm), parse_number, 0.1, 2},
+     "residuals ask for it).", FIELD(knot_mm), parse_number, 0.15, 2},
     {"meridians", 0, "N", "Meridians along which edges are measured (default 360).",
      FIELD(meridians), parse_integer, 24, 1440},
 };
