@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double chart_arcmin_per_px = 0.5;
+static const double usual_arcmin_per_px = 0.5;
 static const double chart_bleed_arcmin = 64; /* 128 buckets of half a minute to a side */
 
 /* Part of the format, drawn by a later build. */
@@ -212,14 +212,14 @@ static int load_file(placido_scene *scene, const char *path, placido_notes *note
   return status;
 }
 
-int placido_scene_load(placido_scene *scene, const char *name_or_path, placido_notes *notes,
-                       placido_error *err) {
+int placido_scene_load(placido_scene *scene, const char *name_or_path, double chart_arcmin_per_px,
+                       placido_notes *notes, placido_error *err) {
   *scene = (placido_scene){0};
   const placido_chart *chart = placido_chart_find(name_or_path);
   int status = refuse_future_chart(name_or_path, err);
   if (status == PLACIDO_OK && chart != NULL) {
     snprintf(scene->name, sizeof scene->name, "%s", chart->name);
-    scene->arcmin_per_px = chart_arcmin_per_px;
+    scene->arcmin_per_px = chart_arcmin_per_px > 0 ? chart_arcmin_per_px : usual_arcmin_per_px;
     status = draw_chart(scene, chart, err);
   } else if (status == PLACIDO_OK) {
     status = load_file(scene, name_or_path, notes, err);

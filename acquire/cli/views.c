@@ -5,6 +5,7 @@
 #include "acquire/cli/examination.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -58,12 +59,21 @@ static int check_pupils(const struct number_list *pupils, placido_error *err) {
   return PLACIDO_OK;
 }
 
+#define CHART_COARSEST_ARCMIN 0.5
+#define CHART_FINEST_ARCMIN 0.05
+
 static int check_seeing(const struct settings *settings, placido_error *err) {
   if (settings->cwhatuc && settings->bucket_arcmin > 0.0) {
     return placido_error_set(err, STATUS_USAGE,
                              "--cwhatuc has buckets of its own: leave --bucket out");
   }
   return check_pupils(&settings->pupils_mm, err);
+}
+
+/* Charts are drawn as finely as the PSF's buckets ask for, but no coarser than usual; 0: usual. */
+static double chart_scale(const struct settings *settings) {
+  const double bucket = settings->bucket_arcmin;
+  return bucket > 0 && bucket < CHART_COARSEST_ARCMIN ? fmax(bucket, CHART_FINEST_ARCMIN) : 0;
 }
 
 int step_scenes(struct examination *examination, placido_error *err) {
@@ -74,7 +84,9 @@ int step_scenes(struct examination *examination, placido_error *err) {
   const size_t count = asked->count ? asked->count : 1;
   int status = check_seeing(examination->settings, err);
   for (size_t i = 0; i < count && status == PLACIDO_OK; i++) {
-    status = placido_scene_load(&views->scenes[i], names[i], &examination->outcome->notes, err);
+    status = placido_scene_load(&views->scenes[i], names[i],
+                                chart_scale(examination->settings),
+                                &examination->outcome->notes, err);
     if (status == PLACIDO_OK) {
       views->scene_count++;
       make_stem(views->stems[i], views->scenes[i].name);

@@ -85,10 +85,12 @@ typedef struct placido_scene {
 
 /* Loads a scene: a file `placido-scene/1` (docs/formats.md), or a generated chart by name
  * (`tumbling-e`, `fan`), which has a bleed of white as wide as half of the default PSF, so that
- * the dark beyond does not reach the picture. Free with placido_scene_free. Returns PLACIDO_OK, PLACIDO_INPUT,
- * PLACIDO_SYSTEM, PLACIDO_UNSUPPORTED (a chart that this build does not draw), PLACIDO_MEMORY. */
-int placido_scene_load(placido_scene *scene, const char *name_or_path, placido_notes *notes,
-                       placido_error *err);
+ * the dark beyond does not reach the picture. Charts are drawn at chart_arcmin_per_px, 0.05 to 4
+ * (0: 0.5), which should be the PSF's bucket. Free with placido_scene_free. Returns PLACIDO_OK,
+ * PLACIDO_INPUT, PLACIDO_SYSTEM, PLACIDO_UNSUPPORTED (a chart that this build does not draw),
+ * PLACIDO_MEMORY. */
+int placido_scene_load(placido_scene *scene, const char *name_or_path, double chart_arcmin_per_px,
+                       placido_notes *notes, placido_error *err);
 void placido_scene_free(placido_scene *scene);
 
 /* Calls `each` with the name and a sentence for every generated chart. */

@@ -83,6 +83,9 @@ succeed simulate cornea/surface.json --pupils 3,12 -o seen
 says 'warning: pupil of 12 mm left out' err.txt
 have_not seen/pupil-12mm
 refuse 4 'no pupil can be simulated' simulate cornea/surface.json --pupils 12 -o nothing
+# Charts are drawn as finely as the buckets ask for.
+succeed simulate cornea/surface.json --pupils 3 --bucket 0.25 -o seen
+have seen/pupil-3mm/tumbling-e.png
 
 echo "== a distance that nobody measured is told"
 succeed reconstruct eye.png --instrument eye.instrument.json -o cornea

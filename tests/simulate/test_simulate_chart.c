@@ -107,7 +107,7 @@ static void test_bleed_and_margin_are_white(void **state) {
   const placido_chart *charts = placido_chart_table(&count);
   for (size_t k = 0; k < count; k++) {
     placido_scene scene;
-    assert_int_equal(placido_scene_load(&scene, charts[k].name, NULL, NULL), PLACIDO_OK);
+    assert_int_equal(placido_scene_load(&scene, charts[k].name, 0, NULL, NULL), PLACIDO_OK);
     assert_int_equal(scene.bleed_px, 128);
     const placido_image *image = &scene.image;
     int rim = 128 + 24;
@@ -149,7 +149,7 @@ static void test_seen_chart_has_no_dark_rim(void **state) {
   for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
     placido_scene scene;
     placido_image seen;
-    assert_int_equal(placido_scene_load(&scene, rows[k].name, NULL, NULL), PLACIDO_OK);
+    assert_int_equal(placido_scene_load(&scene, rows[k].name, 0, NULL, NULL), PLACIDO_OK);
     assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, NULL), PLACIDO_OK);
     assert_int_equal(seen.width_px, rows[k].width_px);
     assert_int_equal(seen.height_px, rows[k].height_px);
@@ -171,9 +171,9 @@ static void test_unknown_charts_name_the_known(void **state) {
   (void)state;
   placido_scene scene;
   placido_error err = {0};
-  assert_int_equal(placido_scene_load(&scene, "landolt", NULL, &err), PLACIDO_UNSUPPORTED);
+  assert_int_equal(placido_scene_load(&scene, "landolt", 0, NULL, &err), PLACIDO_UNSUPPORTED);
   assert_non_null(strstr(err.text, "tumbling-e, fan"));
-  assert_int_equal(placido_scene_load(&scene, "sloan", NULL, &err), PLACIDO_UNSUPPORTED);
+  assert_int_equal(placido_scene_load(&scene, "sloan", 0, NULL, &err), PLACIDO_UNSUPPORTED);
   assert_null(scene.image.data);
 }
 

@@ -137,7 +137,7 @@ static void test_every_failed_allocation_of_a_view_is_reported(void **state) {
   (void)state;
   placido_psf psf = cone_psf(false);
   placido_scene scene;
-  assert_int_equal(placido_scene_load(&scene, "fan", NULL, NULL), PLACIDO_OK);
+  assert_int_equal(placido_scene_load(&scene, "fan", 0, NULL, NULL), PLACIDO_OK);
   scene.arcmin_per_px = 0.3; /* as if finer: it has to be resampled */
   int status = PLACIDO_MEMORY, n = 0;
   while (status != PLACIDO_OK) {

@@ -44,7 +44,7 @@ static int load(placido_scene *scene, const char *body, placido_notes *notes, pl
   assert_non_null(file);
   fprintf(file, "{\n \"format\": \"placido-scene/1\",\n%s\n}\n", body);
   fclose(file);
-  return placido_scene_load(scene, path, notes, err);
+  return placido_scene_load(scene, path, 0, notes, err);
 }
 
 static void expect_scale(const char *calibration, double arcmin) {
@@ -153,7 +153,7 @@ static void test_coarser_scenes_are_refused_with_the_numbers(void **state) {
 static void test_charts_take_the_scene_s_calibration(void **state) {
   (void)state;
   placido_scene half, quarter;
-  assert_int_equal(placido_scene_load(&half, "tumbling-e", NULL, NULL), PLACIDO_OK);
+  assert_int_equal(placido_scene_load(&half, "tumbling-e", 0, NULL, NULL), PLACIDO_OK);
   assert_true(half.arcmin_per_px == 0.5);
   assert_int_equal(load(&quarter,
                         "\"image\": \"tumbling-e\", \"calibration\": "
