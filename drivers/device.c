@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "drivers/driver.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,8 +53,32 @@ static int choose_driver(const placido_driver **driver, const char **address, co
   return PLACIDO_OK;
 }
 
+/* Whether open has read a setting already. */
+static bool is_option(const placido_device *device, const char *setting) {
+  const size_t length = strcspn(setting, "=");
+  const char *const *option = device->driver->options;
+  while (option && *option && (strlen(*option) != length || strncmp(*option, setting, length))) {
+    option++;
+  }
+  return option && *option;
+}
+
+/* Notes where the device took another value than it was asked to. */
+static void note_difference(placido_device *device, const char *name, double asked,
+                            placido_notes *notes) {
+  double got;
+  if (placido_device_get(device, name, &got, NULL) == PLACIDO_OK &&
+      fabs(got - asked) > 1e-6 * fabs(asked)) {
+    placido_notes_add(notes, "the device took %s=%.8g, not %.8g as asked", name, got, asked);
+  }
+}
+
 /* Sets one "control=value" of a query. */
-static int apply_setting(placido_device *device, const char *setting, placido_error *err) {
+static int apply_setting(placido_device *device, const char *setting, placido_notes *notes,
+                         placido_error *err) {
+  if (is_option(device, setting)) {
+    return PLACIDO_OK;
+  }
   char name[64] = "";
   const char *equals = strchr(setting, '=');
   size_t length = equals ? (size_t)(equals - setting) : strlen(setting);
@@ -62,21 +87,26 @@ static int apply_setting(placido_device *device, const char *setting, placido_er
     char *end;
     double value = strtod(equals + 1, &end);
     if (end != equals + 1 && *end == '\0') {
-      return placido_device_set(device, name, value, err);
+      const int status = placido_device_set(device, name, value, err);
+      if (!status) {
+        note_difference(device, name, value, notes);
+      }
+      return status;
     }
   }
   return placido_error_set(err, PLACIDO_INPUT,
                            "\"%.100s\" in the device's address is not CONTROL=NUMBER", setting);
 }
 
-static int apply_query(placido_device *device, char *query, placido_error *err) {
+static int apply_query(placido_device *device, char *query, placido_notes *notes,
+                       placido_error *err) {
   int status = PLACIDO_OK;
   while (!status && query && *query) {
     char *next = strchr(query, '&');
     if (next) {
       *next++ = '\0';
     }
-    status = apply_setting(device, query, err);
+    status = apply_setting(device, query, notes, err);
     query = next;
   }
   return status;
@@ -86,11 +116,11 @@ static int apply_query(placido_device *device, char *query, placido_error *err) 
 static int open_address(placido_device *device, char *address, placido_notes *notes,
                         placido_error *err) {
   char *query = exists(address) ? NULL : strrchr(address, '?');
-  if (query) {
-    *query++ = '\0';
+  if (query && !device->driver->options) {
+    *query = '\0';
   }
   int status = device->driver->open(&device->state, address, notes, err);
-  return status ? status : apply_query(device, query, err);
+  return status || !query ? status : apply_query(device, query + 1, notes, err);
 }
 
 int placido_device_open(placido_device **device, const char *uri, placido_notes *notes,
@@ -202,6 +232,14 @@ int placido_device_stop(placido_device *device, placido_error *err) {
   }
   device->started = false;
   return device->driver->stop ? device->driver->stop(device->state, err) : PLACIDO_OK;
+}
+
+void placido_device_statistics_get(const placido_device *device,
+                                   placido_device_statistics *statistics) {
+  *statistics = (placido_device_statistics){0};
+  if (device->driver->statistics) {
+    device->driver->statistics(device->state, statistics);
+  }
 }
 
 int placido_device_scan(const char *scheme,

@@ -10,6 +10,11 @@ typedef struct placido_driver {
   const char *scheme;  /* what stands before the colon of a URI */
   const char *summary; /* one line for the list of drivers */
 
+  /* Settings of an address ("?size=...") that open reads itself, ended by NULL: open gets the
+   * address with its query then, and the other settings are controls as always. NULL: every
+   * setting is a control, and open gets the address alone. */
+  const char *const *options;
+
   /* Calls `found` for every device that can be seen, and stops with its value where that is not
    * 0. Must not disturb a device in use. NULL: devices of this kind cannot be looked for. */
   int (*scan)(int (*found)(void *user, const char *uri, const char *description), void *user,
@@ -35,6 +40,9 @@ typedef struct placido_driver {
   int (*next)(void *state, placido_frame *frame, int timeout_ms, placido_error *err);
   /* Called once for each successful start. NULL: nothing is to be done. */
   int (*stop)(void *state, placido_error *err);
+
+  /* NULL: nothing is counted. */
+  void (*statistics)(const void *state, placido_device_statistics *statistics);
 } placido_driver;
 
 /* The drivers of this build, `*count` of them. */

@@ -1,5 +1,6 @@
-/* A device that gives frames, opened by URI: `replay:PATH` (a session or an image), later
- * `v4l2:`, `u3v:`, `gpio:`. Pull with a deadline; one thread at a time. */
+/* A device that gives frames, opened by URI: `replay:PATH` (a session or an image),
+ * `v4l2:/dev/videoN` (a camera); later `u3v:`, `gpio:`. Pull with a deadline; one thread at a
+ * time. */
 #ifndef PLACIDO_DEVICE_H
 #define PLACIDO_DEVICE_H
 
@@ -8,6 +9,7 @@
 #include <placido/status.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 typedef struct placido_device placido_device;
 
@@ -28,8 +30,18 @@ typedef struct placido_control {
   double min, max, step;
 } placido_control;
 
+/* What was counted since the device was opened. */
+typedef struct placido_device_statistics {
+  uint64_t frames;    /* given out */
+  uint64_t dropped;   /* that the device's counter skipped */
+  uint64_t corrupt;   /* flagged PLACIDO_FRAME_CORRUPT, or damaged beyond decoding */
+  uint64_t truncated; /* given out, flagged PLACIDO_FRAME_TRUNCATED */
+  uint64_t restarts;  /* of the stream, after an error */
+} placido_device_statistics;
+
 /* Opens a device. A URI without a known scheme is taken as replay:URI. Close with
- * placido_device_close. Returns PLACIDO_OK, PLACIDO_INPUT (URI), PLACIDO_SYSTEM,
+ * placido_device_close. "?CONTROL=VALUE&..." behind an address sets controls; a note tells where
+ * the device took another value. Returns PLACIDO_OK, PLACIDO_INPUT (URI), PLACIDO_SYSTEM,
  * PLACIDO_UNSUPPORTED (scheme not in this build), PLACIDO_MEMORY. */
 int placido_device_open(placido_device **device, const char *uri, placido_notes *notes,
                         placido_error *err);
@@ -52,6 +64,10 @@ int placido_device_start(placido_device *device, placido_error *err);
 int placido_device_next(placido_device *device, placido_frame *frame, int timeout_ms,
                         placido_error *err);
 int placido_device_stop(placido_device *device, placido_error *err);
+
+/* Zeros where the device counts nothing. */
+void placido_device_statistics_get(const placido_device *device,
+                                   placido_device_statistics *statistics);
 
 /* Calls `found` for every device that can be seen, driver by driver; stops and returns its value
  * where that is not 0. `scheme` may be NULL (all drivers). */

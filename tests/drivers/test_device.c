@@ -104,7 +104,7 @@ static void what_cannot_be_opened_is_named(void **state) {
       {uri_of("", nowhere, ""), PLACIDO_SYSTEM, "none.png"},
       {uri_of("replay:", nowhere, "?speed=1"), PLACIDO_SYSTEM, "none.png"},
       {uri_of("", text, ""), PLACIDO_INPUT, "text.png"},
-      {uri_of("v4l2:/dev/video7", "", ""), PLACIDO_UNSUPPORTED, "no driver \"v4l2\""},
+      {uri_of("sonar:7", "", ""), PLACIDO_UNSUPPORTED, "no driver \"sonar\""},
       {uri_of("", "", ""), PLACIDO_SYSTEM, "cannot open"},
       {uri_of("replay:", "", ""), PLACIDO_SYSTEM, "cannot open"},
       {uri_of("replay:", image, "?colour=1"), PLACIDO_INPUT, "no control \"colour\""},
