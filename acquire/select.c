@@ -1,8 +1,10 @@
 /* Takes a device's frames one by one and keeps the best. */
 #include "acquire/acquire.h"
 
+#include <limits.h>
 #include <stdbool.h>
 
+#define ENDLESS_FRAMES 48 /* one to three seconds of a camera, between two blinks */
 #define FRAME_TIMEOUT_MS 5000
 
 /* The search: `taken` is the best frame so far, `next` the one being looked at. */
@@ -48,10 +50,14 @@ static int consider(struct search *search, long wanted, placido_error *err) {
   return PLACIDO_OK;
 }
 
-/* Looks at every frame; one that cannot be decoded is counted and passed over. */
+/* Looks at every frame, of a device that never ends at ENDLESS_FRAMES of them or as far as the one
+ * wanted; one that cannot be decoded is counted and passed over. */
 static int look_through(struct search *search, placido_device *device, long wanted,
                         placido_error *err) {
-  for (;;) {
+  const long most = placido_device_info_get(device)->endless
+                        ? (wanted >= 0 ? wanted + 1 : ENDLESS_FRAMES)
+                        : LONG_MAX;
+  while (search->choice.frames < most) {
     int status = placido_device_next(device, &search->next, FRAME_TIMEOUT_MS, err);
     if (status == PLACIDO_END) {
       return PLACIDO_OK;
@@ -69,6 +75,7 @@ static int look_through(struct search *search, placido_device *device, long want
       return status;
     }
   }
+  return PLACIDO_OK;
 }
 
 static int conclude(const struct search *search, const char *uri, long wanted,

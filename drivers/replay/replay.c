@@ -150,6 +150,7 @@ static int replay_set(void *pointer, size_t control, double value, placido_error
   (void)err;
   replay *state = pointer;
   state->settings[control] = control == LOOP ? round(value) : value;
+  state->info.endless = state->settings[LOOP] > 0;
   if (state->any_given) {
     state->clock_start_ns = clock_ns();
     state->first_t_ns = state->last_t_ns;

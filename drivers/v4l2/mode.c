@@ -10,6 +10,7 @@
 #include <string.h>
 
 /* Lists of a camera that are longer than this do not end. */
+#define LIVE_HZ 10 /* with fewer pictures a second nobody can aim */
 #define FORMATS_MAX 64
 #define SIZES_MAX 64
 
@@ -131,6 +132,7 @@ struct choice {
   const placido_v4l2_format *format;
   int width_px, height_px;
   bool has_size;
+  bool live; /* fast enough to aim by */
 };
 
 static bool is_within(int side_px, int min_px, int max_px, int step_px) {
@@ -155,8 +157,17 @@ static int compare_formats(const placido_v4l2_format *a, const placido_v4l2_form
   return a < b ? -1 : a > b;
 }
 
+/* Whether the offer comes fast enough to aim by; one that tells no rate is believed to. */
+static bool is_live(const placido_v4l2_offer *offer) {
+  double fastest = offer->rate_count ? 0 : LIVE_HZ;
+  for (int i = 0; i < offer->rate_count; i++) {
+    fastest = fmax(fastest, offer->rates_hz[i]);
+  }
+  return fastest >= LIVE_HZ;
+}
+
 /* A format that was asked for comes before the size, the size before the order of formats; among
- * equals the largest picture wins. */
+ * equals the largest picture wins that comes fast enough to aim by. */
 static int weigh(void *user, const placido_v4l2_offer *offer) {
   struct choice *best = user;
   const placido_v4l2_request *request = best->request;
@@ -170,10 +181,12 @@ static int weigh(void *user, const placido_v4l2_offer *offer) {
   if (best->format) {
     const int by_format = compare_formats(offer->format, best->format, request);
     const bool asked = (offer->format == request->format) != (best->format == request->format);
+    const bool live = is_live(offer);
     const long area = is_fixed ? (long)offer->width_max_px * offer->height_max_px : 0;
     is_better = asked                        ? by_format < 0
                 : has_size != best->has_size ? has_size
                 : by_format != 0             ? by_format < 0
+                : live != best->live         ? live
                                              : area > (long)best->width_px * best->height_px;
   }
   if (is_better) {
@@ -182,6 +195,7 @@ static int weigh(void *user, const placido_v4l2_offer *offer) {
     best->width_px = is_fixed ? offer->width_max_px : 0;
     best->height_px = is_fixed ? offer->height_max_px : 0;
     best->has_size = has_size;
+    best->live = is_live(offer);
   }
   return 0;
 }

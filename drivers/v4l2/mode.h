@@ -21,7 +21,7 @@ typedef struct placido_v4l2_offer {
   int width_min_px, width_max_px, width_step_px; /* the same, step 0, where the size is fixed */
   int height_min_px, height_max_px, height_step_px;
   int rate_count;
-  double rates_hz[PLACIDO_V4L2_RATES_MAX]; /* of the largest size, falling */
+  double rates_hz[PLACIDO_V4L2_RATES_MAX]; /* of the largest size, as listed */
   bool any_rate; /* everything between the two rates; else just those listed */
 } placido_v4l2_offer;
 

@@ -31,6 +31,7 @@ static void describe(v4l2 *state) {
   snprintf(info->serial, sizeof info->serial, "%s", state->camera.serial);
   snprintf(info->firmware, sizeof info->firmware, "%s", state->camera.firmware);
   info->axis_z_mm = info->axis_z_sigma_mm = NAN;
+  info->endless = true;
 }
 
 static void v4l2_close(void *pointer) {

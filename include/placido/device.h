@@ -20,6 +20,7 @@ typedef struct placido_device_info {
   char eye[8];                       /* replay: OD or OS of the session */
   char instrument_path[1024];        /* replay: the session's instrument.json; else empty */
   double axis_z_mm, axis_z_sigma_mm; /* replay: as the session has them; else NaN */
+  bool endless;                      /* gives frames until it is stopped */
 } placido_device_info;
 
 /* A control of a device, as data. */

@@ -59,6 +59,9 @@ int placido_device_next(placido_device *device, placido_frame *frame, int timeou
                         placido_error *err) {
   (void)timeout_ms;
   assert_true(device->started);
+  if (device->next == device->count && device->info.endless) {
+    device->next = 0;
+  }
   if (device->next == device->count) {
     return PLACIDO_END;
   }
@@ -169,6 +172,19 @@ static void test_nothing_there(void **state) {
 }
 
 /* A device that breaks ends the search with its own status and words. */
+/* A camera never ends: a second or so of it is looked at, or as far as the frame asked for. */
+static void test_endless_device_is_left_again(void **state) {
+  (void)state;
+  placido_device device = {.info = {.endless = true}, .frames = {{10, 0, 0}, {90, 0, 0}}, .count = 2};
+  placido_choice choice;
+  int status;
+  assert_int_equal(choose(&device, -1, &choice, NULL, &status, NULL), 90);
+  assert_int_equal(status, PLACIDO_OK);
+  assert_true(choice.frames > 2 && choice.frames < 100);
+  assert_int_equal(choose(&device, 6, &choice, NULL, &status, NULL), 10);
+  assert_int_equal(choice.frames, 7);
+}
+
 static void test_device_error_is_passed_on(void **state) {
   (void)state;
   placido_device device = {.frames = {{40, 0, 0}, {0, 0, PLACIDO_TIMEOUT}}, .count = 2};
@@ -189,6 +205,7 @@ int main(void) {
       cmocka_unit_test(test_damaged_loses),
       cmocka_unit_test(test_only_damaged_is_taken_and_told),
       cmocka_unit_test(test_nothing_there),
+      cmocka_unit_test(test_endless_device_is_left_again),
       cmocka_unit_test(test_device_error_is_passed_on),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
