@@ -26,8 +26,8 @@ int placido_frame_score(double *score, const placido_frame *frame, placido_error
 /* Starts the device, takes its frames and leaves in `frame` (the caller's) the one with the best
  * score, or frame number `wanted` where that is not negative. A damaged frame is taken only where
  * it is asked for or where there is no other; either gives a line in `notes` (may be NULL).
- * Of a device that gives frames without end 48 are looked at. Returns PLACIDO_OK, PLACIDO_INPUT (no frame,
- * or no frame of that number), PLACIDO_MEMORY and what the device returns. */
+ * Of a device that gives frames without end 48 are looked at. Returns PLACIDO_OK, PLACIDO_INPUT (no
+ * frame, or no frame of that number), PLACIDO_MEMORY and what the device returns. */
 int placido_frame_choose(placido_frame *frame, placido_choice *choice, placido_device *device,
                          long wanted, placido_notes *notes, placido_error *err);
 

@@ -23,7 +23,7 @@ typedef struct placido_phantom_hit {
   bool on_cornea;
   double point_mm[3]; /* on the cornea, in the eye's own coordinates */
   double slope[2];    /* of the sag there */
-  int band;           /* of the mires (profile.h); PLACIDO_PHANTOM_NO_BAND where there is no cornea */
+  int band; /* of the mires (profile.h); PLACIDO_PHANTOM_NO_BAND where there is no cornea */
 } placido_phantom_hit;
 
 placido_phantom_rig placido_phantom_rig_of(const placido_surface *surface,
@@ -36,8 +36,8 @@ placido_phantom_rig placido_phantom_rig_of(const placido_surface *surface,
 void placido_phantom_trace(const placido_phantom_rig *rig, const double normalised[2],
                            placido_phantom_hit *hit);
 
-/* Whether a band of the instrument's mires is lit. They alternate, within edge 0 and beyond the last
- * edge too: otherwise those would be no edges. */
+/* Whether a band of the instrument's mires is lit. They alternate, within edge 0 and beyond the
+ * last edge too: otherwise those would be no edges. */
 bool placido_phantom_is_bright(const placido_instrument *instrument, int band);
 
 #endif

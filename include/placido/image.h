@@ -16,7 +16,8 @@ typedef struct placido_image {
 } placido_image;
 
 /* Allocates a zeroed image. Free with placido_image_free.
- * Returns PLACIDO_OK, PLACIDO_INPUT (size not within 1 to 65,536, planes not 1 to 4), PLACIDO_MEMORY. */
+ * Returns PLACIDO_OK, PLACIDO_INPUT (size not within 1 to 65,536, planes not 1 to 4),
+ * PLACIDO_MEMORY. */
 int placido_image_new(placido_image *image, int width_px, int height_px, int planes,
                       placido_error *err);
 
@@ -29,7 +30,8 @@ float *placido_image_plane(const placido_image *image, int plane);
 /* Reads PNG, TIFF, PGM/PPM, JPEG, 8 or 16 bit, and applies the EXIF orientation. Samples come
  * scaled to 0..1 of the file's full range, still encoded as in the file (no gamma undone);
  * 1, 3 or 4 planes, in the order red, green, blue, alpha. Free with placido_image_free.
- * Returns PLACIDO_OK, PLACIDO_SYSTEM (cannot read), PLACIDO_INPUT (not an image), PLACIDO_MEMORY. */
+ * Returns PLACIDO_OK, PLACIDO_SYSTEM (cannot read), PLACIDO_INPUT (not an image), PLACIDO_MEMORY.
+ */
 int placido_image_load(placido_image *image, const char *path, placido_error *err);
 
 /* Writes an 8-bit PNG of samples clipped to 0..1, by way of a temporary name.

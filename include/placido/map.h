@@ -41,7 +41,7 @@ typedef struct placido_maps {
   placido_sphere sphere;  /* the elevation map's reference */
   unsigned char *valid;   /* size * size; 1 where the surface is defined and data support it */
   double *z_mm;           /* the surface; NaN where invalid */
-  double **values;        /* one array a kind, as placido_map_kinds orders them; NaN where invalid */
+  double **values; /* one array a kind, as placido_map_kinds orders them; NaN where invalid */
   double *sigma_z_um, *sigma_axial_D; /* NULL where the surface has no fit */
 } placido_maps;
 

@@ -1,7 +1,7 @@
 /* Simulated keratometry: 337.5 over the mean axial radius around the 3 mm circle about the vertex,
- * for the flattest diameter and the one perpendicular to it. The zone is that of the mires 6 to 8 of the TMS
- * instruments, 3 mm wide; axial power and both semi-meridians as there. Anchored on the flattest
- * meridian, not on the steepest: on an irregular cornea the two rules differ. */
+ * for the flattest diameter and the one perpendicular to it. The zone is that of the mires 6 to 8
+ * of the TMS instruments, 3 mm wide; axial power and both semi-meridians as there. Anchored on the
+ * flattest meridian, not on the steepest: on an irregular cornea the two rules differ. */
 #include "reconstruct/indices/cornea.h"
 #include "reconstruct/maps/kinds.h"
 #include "reconstruct/maps/sigma.h"

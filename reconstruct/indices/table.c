@@ -3,7 +3,8 @@
 
 static const placido_index_row rows[] = {
     {"vertex_x_mm", "mm",
-     "The corneal vertex, where the cornea faces the instrument squarely: to the right of the axis.",
+     "The corneal vertex, where the cornea faces the instrument squarely: to the right of the "
+     "axis.",
      placido_index_vertex_x},
     {"vertex_y_mm", "mm", "The corneal vertex: upwards of the axis.", placido_index_vertex_y},
     {"simk_flat_D", "D",

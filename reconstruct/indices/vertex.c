@@ -1,6 +1,6 @@
-/* The corneal vertex: where the tangent plane is perpendicular to the instrument's axis (ISO 19980). An eye
- * seldom sits on that axis to better than some tenths of a millimetre, and axial power means something only about
- * a line through the vertex. */
+/* The corneal vertex: where the tangent plane is perpendicular to the instrument's axis (ISO
+ * 19980). An eye seldom sits on that axis to better than some tenths of a millimetre, and axial
+ * power means something only about a line through the vertex. */
 #include "reconstruct/indices/cornea.h"
 
 #include <math.h>

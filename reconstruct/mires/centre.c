@@ -70,9 +70,10 @@ static int collect(spots *out, const placido_image *image, double cx, double cy,
   return PLACIDO_OK;
 }
 
-/* Every spot votes for the cells along its line, both ways, as far as `reach`; the cell with the most votes
- * in its 3×3 neighbourhood wins. A spot's vote at distance d stands for a ring of that radius, of which
- * 2πd pixels are seen: dividing by nothing lets outer rings count more, which is what is wanted. */
+/* Every spot votes for the cells along its line, both ways, as far as `reach`; the cell with the
+ * most votes in its 3×3 neighbourhood wins. A spot's vote at distance d stands for a ring of that
+ * radius, of which 2πd pixels are seen: dividing by nothing lets outer rings count more, which is
+ * what is wanted. */
 static int vote(double centre[2], const placido_image *coarse, double reach, placido_error *err) {
   int w = coarse->width_px, h = coarse->height_px;
   spots all;
@@ -121,8 +122,8 @@ done:
   return status;
 }
 
-/* One pass of the robust intersection: the point nearest to the lines, each weighted by 1/(1+(d/scale)²)
- * of its present distance d. */
+/* One pass of the robust intersection: the point nearest to the lines, each weighted by
+ * 1/(1+(d/scale)²) of its present distance d. */
 static void intersect(double centre[2], const spots *all, double scale) {
   double a = 0, b = 0, c = 0, u = 0, v = 0;
   for (size_t i = 0; i < all->count; i++) {
@@ -147,7 +148,8 @@ int placido_mires_centre(double centre_px[2], const placido_image *plane, double
                          double inner_px, double narrow_px, placido_error *err) {
   placido_image coarse = {0};
   int factor = (int)fmax(1, floor(narrow_px / 3));
-  int status = placido_image_new(&coarse, plane->width_px / factor, plane->height_px / factor, 1, err);
+  int status =
+      placido_image_new(&coarse, plane->width_px / factor, plane->height_px / factor, 1, err);
   if (!status) {
     status = placido_cv_resize(&coarse, plane, PLACIDO_CV_AREA, err);
   }

@@ -10,7 +10,8 @@
 #define AGREEMENT 0.7 /* share of the votes that must say the same */
 #define GAP_LOOK 3    /* edges either side in which the widest step is looked for */
 #define GAP_MOST 1.7  /* of that step; with a pair missing it would be twice as wide or more */
-#define ROOT_SHARE 20 /* a component's longest chain runs over at least one part in so many of the circle */
+/* A component's longest chain runs over at least one part in so many of the circle. */
+#define ROOT_SHARE 20
 
 /* "Chain `outer` follows chain `inner` outwards", and on how many meridians that is seen. */
 typedef struct follows {

@@ -53,8 +53,9 @@ static size_t extrema(const float *d, int count, int meridian, placido_crossing 
 }
 
 /* The usual strength per block of (sector, ring): were all its edges seen, the strongest
- * quarter of them would reach it; flat eyes show fewer, lashes and lids hide some. Noise makes far more extrema than mires do, so it is the rank from the top
- * that counts. Not less than a fifth of what is usual where mires are to be expected. */
+ * quarter of them would reach it; flat eyes show fewer, lashes and lids hide some. Noise makes far
+ * more extrema than mires do, so it is the rank from the top that counts. Not less than a fifth of
+ * what is usual where mires are to be expected. */
 typedef struct reference {
   double ring_px;
   int rings;

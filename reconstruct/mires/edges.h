@@ -26,14 +26,14 @@ typedef struct placido_crossings {
 } placido_crossings;
 
 /* Finds the extrema of every profile's derivative that stand out from their neighbourhood.
- * `spacing_px` is the ordinary distance between edges, `reach_px` how far the mires ordinarily reach. Free with
- * placido_crossings_free. */
+ * `spacing_px` is the ordinary distance between edges, `reach_px` how far the mires ordinarily
+ * reach. Free with placido_crossings_free. */
 int placido_crossings_find(placido_crossings *out, const placido_polar *polar, double spacing_px,
                            double reach_px, int threads, placido_error *err);
 void placido_crossings_free(placido_crossings *crossings);
 
-/* Measures the numbered candidates: fits a blurred step to the profile about each and moves it to the
- * step's place. What cannot be fitted loses its number. */
+/* Measures the numbered candidates: fits a blurred step to the profile about each and moves it to
+ * the step's place. What cannot be fitted loses its number. */
 void placido_crossings_measure(placido_crossings *crossings, const placido_polar *polar,
                                int threads);
 

@@ -24,7 +24,8 @@ typedef struct yardstick {
 } yardstick;
 
 #define ORDINARY_CORNEA_MM 7.8
-#define MERIDIANS_LINKED 300 /* at least so many are looked at: over wider steps edges lose their way */
+/* At least so many are looked at: over wider steps edges lose their way. */
+#define MERIDIANS_LINKED 300
 #define FLATTEST 1.6 /* mires reach no further than this times the ordinary reach */
 
 static int yardstick_of(yardstick *out, const placido_instrument *instrument,

@@ -1,4 +1,5 @@
-/* The gate: medians of height and blur in blocks of some edges by some degrees say what is usual. */
+/* The gate: medians of height and blur in blocks of some edges by some degrees say what is usual.
+ */
 #include "reconstruct/mires/gate.h"
 
 #include "base/memory.h"
@@ -12,7 +13,8 @@
 #define WIDTH_TOLERANCE 0.25
 #define BLOCK_FEW 8       /* fewer members of an edge say nothing */
 #define COMPANY_EDGES 2   /* how far the nearest other edge may be */
-#define BLOCK_EDGES_FEW 3 /* with fewer edges there is nothing to compare with: a lid's border stands alone */
+/* With fewer edges there is nothing to compare with: a lid's border stands alone. */
+#define BLOCK_EDGES_FEW 3
 
 /* What is usual around a block, and how far from it is still ordinary, as shares. */
 typedef struct usual {

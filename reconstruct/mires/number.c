@@ -9,12 +9,14 @@
 #include <math.h>
 #include <string.h>
 
-#define ANCHOR_SHARE 0.5    /* of its neighbours' length and strength that the innermost edge must have */
+/* The innermost edge has at least this share of its neighbours' length and strength. */
+#define ANCHOR_SHARE 0.5
 #define ANCHOR_NEIGHBOURS 4
 #define ANCHOR_PATTERN 8    /* edges whose pattern tells a flat cornea from a missed mire */
 #define ROUND_SHARE 0.25    /* of the circle on which the innermost edge must be seen */
 #define ARC_SHARE 0.1       /* of the circle that it must run without a break: squares do not */
-#define INSIDE_STRONG 0.5   /* of the innermost edge's strength: as strong an edge within it is a mire */
+/* An edge within the innermost mire that has this share of its strength is a mire too. */
+#define INSIDE_STRONG 0.5
 #define INSIDE_MOST 0.05    /* share of the meridians on which one may be seen */
 #define PASSES 4
 #define MATCH_LOG 0.15      /* mean |log radius ratio| up to which two components agree */
@@ -52,7 +54,8 @@ static ring ring_of(const numbering *n, int c, int relative) {
   ring r = {0};
   for (size_t i = 0; i < n->crossings->count; i++) {
     const placido_crossing *x = &n->crossings->list[i];
-    if (x->chain >= 0 && n->components.member[x->chain] == c && n->components.relative[x->chain] == relative) {
+    if (x->chain >= 0 && n->components.member[x->chain] == c &&
+        n->components.relative[x->chain] == relative) {
       int chain = n->chains->list[x->chain].length;
       r.length++;
       r.longest = chain > r.longest ? chain : r.longest;
@@ -121,7 +124,8 @@ static bool find_anchor(const numbering *n, int c, int *anchor) {
 }
 
 /* How well a component laid at `offset` agrees with the reference where both show the same edges:
- * mean |log of the radii's ratio| over the innermost few; INFINITY where they share fewer than 3. */
+ * mean |log of the radii's ratio| over the innermost few; INFINITY where they share fewer than 3.
+ */
 static double disagreement(const numbering *n, int c, int offset, int reference) {
   double sum = 0;
   int shared = 0;
@@ -154,7 +158,8 @@ static void lay_against(numbering *n, int c, int reference) {
   place->placed = best < MATCH_LOG && second > 1.5 * best;
 }
 
-/* Finds the reference and places everything. Returns false where no component shows the innermost mire. */
+/* Finds the reference and places everything. Returns false where no component shows the innermost
+ * mire. */
 static bool anchor_all(numbering *n) {
   int reference = -1;
   for (int c = 0; c < n->components.count; c++) {
@@ -223,8 +228,8 @@ static double scale_of(const numbering *n, double *work) {
   return count ? placido_quantile(work, count, 0.5) : 1;
 }
 
-/* Share of the meridians on which an edge nearly as strong as the innermost mire's, and turning the other
- * way as a mire's far side does, lies within it. A small bright spot in the middle is the
+/* Share of the meridians on which an edge nearly as strong as the innermost mire's, and turning the
+ * other way as a mire's far side does, lies within it. A small bright spot in the middle is the
  * reflection of a lamp and no such edge. */
 static double share_inside(const numbering *n, const placido_crossings *crossings) {
   double strength = 0, least = 0.35 * n->expected_px[0];

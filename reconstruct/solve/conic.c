@@ -71,7 +71,8 @@ static void slopes(const placido_sample *s, placido_surface *sides[PARAMETERS][2
   }
 }
 
-/* Solves the damped 4×4 normal equations by Gauss-Jordan elimination; they are positive definite. */
+/* Solves the damped 4×4 normal equations by Gauss-Jordan elimination; they are positive definite.
+ */
 static void solve(double a[PARAMETERS][PARAMETERS], double b[PARAMETERS], double damping) {
   for (int i = 0; i < PARAMETERS; i++) {
     a[i][i] = a[i][i] * (1 + damping) + 1e-12;

@@ -18,8 +18,9 @@
 #define POINTS_MIN 200
 #define MARGIN_MM 0.6   /* of spline beyond the outermost point */
 #define RADIUS_MAX_MM 7
-#define FAR_PX 20.0     /* a point this far from the conicoid says nothing of how far the data reach */
-#define CUT_MOST 0.3    /* share of the points: more means that the model is wrong, not the points */
+/* A point this far from the conicoid says nothing of how far the data reach. */
+#define FAR_PX 20.0
+#define CUT_MOST 0.3 /* share of the points: more means that the model is wrong, not the points */
 #define CUT_MANY 0.1    /* share that the user is told of */
 
 /* A fold leaves a small residual and a wrong surface; it shows in points that do not fit together
@@ -120,9 +121,9 @@ static size_t thin_out(placido_sample *some, const progress *p) {
   return few;
 }
 
-/* Chooses the grid: knots as fine as the samples ask for, or as the caller asked. Finer knots that do not
- * help are given up again: then it is the instrument's geometry that does not fit, not the spline.
- * Leaves the chosen grid's refinement, where the one of all samples starts. */
+/* Chooses the grid: knots as fine as the samples ask for, or as the caller asked. Finer knots that
+ * do not help are given up again: then it is the instrument's geometry that does not fit, not the
+ * spline. Leaves the chosen grid's refinement, where the one of all samples starts. */
 static int explore(placido_refinement *coarse, placido_grid *grid, const progress *p,
                    placido_sample *some, placido_error *err) {
   double asked = p->options ? p->options->knot_mm : 0;

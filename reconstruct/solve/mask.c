@@ -1,4 +1,5 @@
-/* Morphological closing of the sample points on a 0.05 mm grid (Serra 1982), by distance transforms. */
+/* Morphological closing of the sample points on a 0.05 mm grid (Serra 1982), by distance
+ * transforms. */
 #include "reconstruct/solve/mask.h"
 
 #include "base/memory.h"

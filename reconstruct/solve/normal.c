@@ -216,8 +216,9 @@ double placido_normal_rcond(placido_normal *normal) {
   return cholmod_rcond(normal->factor, &normal->common);
 }
 
-/* The selected inverse on the factor's own pattern, column by column from the last: with A = L Lᵀ and D = diag(L),
- * Z(i,j) = -Σ_k Z(i,k) L(k,j) / L(j,j), Z(j,j) = 1/L(j,j)² - Σ_k Z(j,k) L(k,j) / L(j,j). */
+/* The selected inverse on the factor's own pattern, column by column from the last: with A = L Lᵀ
+ * and D = diag(L), Z(i,j) = -Σ_k Z(i,k) L(k,j) / L(j,j), Z(j,j) = 1/L(j,j)² - Σ_k Z(j,k) L(k,j) /
+ * L(j,j). */
 static void select_inverse(const cholmod_factor *f, double *z, double *work, int *position) {
   const int *p = f->p, *rows = f->i, *lengths = f->nz;
   const double *l = f->x;

@@ -16,8 +16,9 @@ void placido_normal_free(placido_normal *normal);
 /* Clears values and right-hand side. */
 void placido_normal_clear(placido_normal *normal);
 
-/* Adds a cell's dense share: `block` is the lower triangle of a symmetric CELL × CELL matrix (row-major, full rows), `side`
- * the right-hand side's share, over the coefficients (row + j, column + i), i inner. */
+/* Adds a cell's dense share: `block` is the lower triangle of a symmetric CELL × CELL matrix
+ * (row-major, full rows), `side` the right-hand side's share, over the coefficients (row + j,
+ * column + i), i inner. */
 void placido_normal_add(placido_normal *normal, int column, int row, const double *block,
                         const double *right);
 
@@ -25,8 +26,8 @@ void placido_normal_add(placido_normal *normal, int column, int row, const doubl
  * coefficients (thin-plate like: x³, 3 x²y, 3 xy², y³), and its gradient to the right-hand side. */
 void placido_normal_smooth(placido_normal *normal, double weight, const double *coefficients);
 
-/* Factorises (matrix + damping · diagonal) and solves into `step`. PLACIDO_QUALITY where the matrix is not
- * positive definite. */
+/* Factorises (matrix + damping · diagonal) and solves into `step`. PLACIDO_QUALITY where the matrix
+ * is not positive definite. */
 int placido_normal_solve(placido_normal *normal, double damping, double *step,
                          placido_error *err);
 

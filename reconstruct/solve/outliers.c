@@ -14,8 +14,8 @@
 #define ASTRAY 0.15     /* of the edges' distance: real eyes stay under a third of it */
 #define DOUBTFUL 3.0    /* spread over rough noise from which on the user is warned */
 
-/* Every sample's residual less what is usual on its edge, and the robust spread of the used ones'. A
- * mire that the instrument file puts in a slightly wrong place is off as a whole, which says
+/* Every sample's residual less what is usual on its edge, and the robust spread of the used ones'.
+ * A mire that the instrument file puts in a slightly wrong place is off as a whole, which says
  * nothing against one of its points. Free with placido_memory_free. */
 static int deviations_new(double **list, double *spread, const placido_sample *samples,
                           size_t count, double *work, placido_error *err) {

@@ -59,9 +59,10 @@ void placido_fit_sigma_at(const placido_fit *fit, double x_mm, double y_mm, doub
     return;
   }
   double r = hypot(x_mm, y_mm), slope, along[2] = {1, 0};
-  /* what the distance lifts as a whole, itself included, is no error of the shape: lifted is what is
-   * left at (x, y) beyond the lift on the axis. Axial curvature s/(r·sqrt(1+s²)) changes by ds/(r·(1+s²)^1.5); at the axis it is s', and the
-   * slope's own row over a short radius stands for it */
+  /* what the distance lifts as a whole, itself included, is no error of the shape: lifted is what
+   * is left at (x, y) beyond the lift on the axis. Axial curvature s/(r·sqrt(1+s²)) changes by
+   * ds/(r·(1+s²)^1.5); at the axis it is s', and the slope's own row over a short radius stands for
+   * it */
   double radius = fmax(r, 0.05);
   if (r > 0) {
     along[0] = x_mm / r;
@@ -78,8 +79,10 @@ void placido_fit_sigma_at(const placido_fit *fit, double x_mm, double y_mm, doub
     lifted += height[k] * by;
     tilted += tilt[k] * by;
   }
-  double noise_z = placido_normal_variance(fit->normal, fit->inverse, basis.column, basis.row, height);
-  double noise_tilt = placido_normal_variance(fit->normal, fit->inverse, basis.column, basis.row, tilt);
+  double noise_z =
+      placido_normal_variance(fit->normal, fit->inverse, basis.column, basis.row, height);
+  double noise_tilt =
+      placido_normal_variance(fit->normal, fit->inverse, basis.column, basis.row, tilt);
   double distance_z = lifted * fit->axis_z_sigma_mm, distance_tilt = tilted * fit->axis_z_sigma_mm;
   *sigma_z_um = 1e3 * sqrt(fit->variance_scale * noise_z + distance_z * distance_z);
   *sigma_axial_D = power * sqrt(fit->variance_scale * noise_tilt + distance_tilt * distance_tilt);

@@ -64,7 +64,8 @@ void placido_sample_trace(placido_sample *sample, const placido_shape *shape) {
     return;
   }
   sample->miss = placido_mirror_miss(&sample->ray, &sample->hit, sample->edge);
-  sample->slope = sqrt(sample->miss.by_u * sample->miss.by_u + sample->miss.by_v * sample->miss.by_v);
+  sample->slope =
+      sqrt(sample->miss.by_u * sample->miss.by_u + sample->miss.by_v * sample->miss.by_v);
   sample->residual_px = sample->slope > 0 ? sample->miss.f / sample->slope : NAN;
 }
 

@@ -1,5 +1,5 @@
-/* The cornea as the fit sees it while it is being fitted: a base surface and a spline on top, and the
- * rays of the edge points on it. */
+/* The cornea as the fit sees it while it is being fitted: a base surface and a spline on top, and
+ * the rays of the edge points on it. */
 #ifndef PLACIDO_SOLVE_SHAPE_H
 #define PLACIDO_SOLVE_SHAPE_H
 

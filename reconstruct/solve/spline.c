@@ -1,4 +1,5 @@
-/* Uniform quintic B-splines by the Cox-de Boor recurrence (de Boor, A Practical Guide to Splines). */
+/* Uniform quintic B-splines by the Cox-de Boor recurrence (de Boor, A Practical Guide to Splines).
+ */
 #include "reconstruct/solve/spline.h"
 
 #include <math.h>

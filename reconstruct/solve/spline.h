@@ -18,8 +18,8 @@ typedef struct placido_grid {
 
 placido_grid placido_grid_covering(double radius_mm, double knot_mm);
 
-/* The basis along x and y at a point: the first of PLACIDO_SPLINE_ORDER coefficients each way, and values,
- * first and second derivatives. */
+/* The basis along x and y at a point: the first of PLACIDO_SPLINE_ORDER coefficients each way, and
+ * values, first and second derivatives. */
 typedef struct placido_basis {
   int column, row;
   double x[3][PLACIDO_SPLINE_ORDER], y[3][PLACIDO_SPLINE_ORDER];

@@ -175,7 +175,8 @@ static void test_nothing_there(void **state) {
 /* A camera never ends: a second or so of it is looked at, or as far as the frame asked for. */
 static void test_endless_device_is_left_again(void **state) {
   (void)state;
-  placido_device device = {.info = {.endless = true}, .frames = {{10, 0, 0}, {90, 0, 0}}, .count = 2};
+  placido_device device = {
+      .info = {.endless = true}, .frames = {{10, 0, 0}, {90, 0, 0}}, .count = 2};
   placido_choice choice;
   int status;
   assert_int_equal(choose(&device, -1, &choice, NULL, &status, NULL), 90);

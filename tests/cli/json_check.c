@@ -1,5 +1,5 @@
-/* json_check FILE FORMAT [KEY...]: whether a file is JSON of a format ("-": any) with these keys, where
- * "a.b" is key b of the object a. For the shell tests. */
+/* json_check FILE FORMAT [KEY...]: whether a file is JSON of a format ("-": any) with these keys,
+ * where "a.b" is key b of the object a. For the shell tests. */
 #include <jansson.h>
 #include <stdbool.h>
 #include <stdio.h>

@@ -100,7 +100,8 @@ static bool in_the_nose(int edge, double deg) {
   return edge > 20 && deg > 170 && deg < 240;
 }
 
-/* A hidden sector is not covered, its border is not the worse for it, and nothing is claimed in it. */
+/* A hidden sector is not covered, its border is not the worse for it, and nothing is claimed in it.
+ */
 static void hidden_mires_leave_a_hole(void **state) {
   (void)state;
   placido_instrument instrument = cone();

@@ -22,7 +22,11 @@ typedef struct hard_case {
 
 static const hard_case cases[] = {
     /* the innermost mire lies wholly beside the centre of the others */
-    {"severe cone", "cone24", {CONIC(7.7, -0.3, 0, 0), CONE(0.10, 0.92, 0.4, -0.8)}, 2, .um_8 = 0.03},
+    {"severe cone",
+     "cone24",
+     {CONIC(7.7, -0.3, 0, 0), CONE(0.10, 0.92, 0.4, -0.8)},
+     2,
+     .um_8 = 0.03},
     {"extreme cone", "cone24", {CONIC(7.7, -0.3, 0, 0), CONE(0.12, 1, 0.5, -0.9)}, 2, .um_8 = 0.03},
     /* the mires are half as large again as an ordinary cornea's */
     {"flat", "disc18", {CONIC(12, 0.5, 0, 0)}, 1, .um_8 = 0.03},

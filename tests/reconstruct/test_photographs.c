@@ -68,7 +68,8 @@ static void real_mires_are_numbered_rightly(void **state) {
     print_message("%s: %.1f %% found, centre %.1f %.1f\n", photographs[i].name,
                   100 * mires.coverage, mires.centre_u_px, mires.centre_v_px);
     for (int k = 0; k < 3; k++) {
-      double middle = (seen_below(&mires, 2 * counted[k]) + seen_below(&mires, 2 * counted[k] + 1)) / 2;
+      double middle =
+          (seen_below(&mires, 2 * counted[k]) + seen_below(&mires, 2 * counted[k] + 1)) / 2;
       /* a third of the distance to the next mire cannot be another mire */
       assert_near(middle, photographs[i].below_px[k], i == 2 ? 4 : 9);
     }

@@ -96,7 +96,8 @@ static void the_selected_inverse_gives_the_variances(void **state) {
     double *right = calloc((size_t)n, sizeof *right);
     for (int i = 0; i < PLACIDO_SPLINE_CELL; i++) {
       v[i] = wave(trial * 100 + i);
-      right[(row + i / PLACIDO_SPLINE_ORDER) * grid.side + column + i % PLACIDO_SPLINE_ORDER] = v[i];
+      right[(row + i / PLACIDO_SPLINE_ORDER) * grid.side + column + i % PLACIDO_SPLINE_ORDER] =
+          v[i];
     }
     assert_int_equal(placido_normal_solve_more(normal, right, x, NULL), PLACIDO_OK);
     for (int i = 0; i < n; i++) {
@@ -176,7 +177,8 @@ static void the_quantile_is_an_element_of_the_sorted_list(void **state) {
         list[i] = sorted[i] = floor(10 * wave((int)i)); /* with many ties */
       }
       qsort(sorted, count, sizeof *sorted, by_value);
-      assert_near(placido_quantile(list, count, share), sorted[(size_t)(share * (double)(count - 1))], 0);
+      assert_near(placido_quantile(list, count, share),
+                  sorted[(size_t)(share * (double)(count - 1))], 0);
     }
   }
   assert_true(isnan(placido_quantile(list, 0, 0.5)));

@@ -134,7 +134,8 @@ static void test_turned_eye_has_a_turned_psf(void **state) {
   placido_surface_free(turned);
 }
 
-/* Share of the light that the search's profile gathers at 0.4', as the eye that was found sees it. */
+/* Share of the light that the search's profile gathers at 0.4', as the eye that was found sees it.
+ */
 static double gathered_share(const placido_surface *surface, const placido_eye *eye) {
   placido_optics optics = {.bucket_arcmin = 0.5};
   placido_apex apex;

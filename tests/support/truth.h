@@ -16,7 +16,8 @@ placido_surface *truth_load(const char *name, double *axis_z_mm);
 placido_instrument truth_instrument(const char *name);
 
 /* Edge points where the phantom's exact forward trace puts them, plus Gaussian noise of sigma_px
- * (repeatable: keyed by edge and meridian). Points for which `hidden` (may be NULL) is true are left out. Free with placido_mires_free. */
+ * (repeatable: keyed by edge and meridian). Points for which `hidden` (may be NULL) is true are
+ * left out. Free with placido_mires_free. */
 placido_mires truth_points(const placido_surface *surface, const placido_instrument *instrument,
                            int meridians, double sigma_px,
                            bool (*hidden)(int edge, double meridian_deg));
