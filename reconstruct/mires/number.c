@@ -38,6 +38,7 @@ typedef struct ring {
 typedef struct place_of {
   int offset; /* absolute = relative + offset */
   bool placed;
+  int first_ring; /* its lowest relative number's place in `rings` */
 } place_of;
 
 /* The state of the numbering. */
@@ -48,23 +49,43 @@ typedef struct numbering {
   const double *expected_px;
   placido_components components;
   place_of *places; /* one a component, room for one a chain */
+  ring *rings;      /* of every component, by relative number */
 } numbering;
 
 static ring ring_of(const numbering *n, int c, int relative) {
-  ring r = {0};
+  const placido_component *component = &n->components.list[c];
+  bool present = relative >= component->low && relative <= component->high;
+  return present ? n->rings[n->places[c].first_ring + relative - component->low] : (ring){0};
+}
+
+/* Sums up all rings of all components in one pass over the crossings. */
+static int sum_rings(numbering *n, placido_error *err) {
+  int total = 0;
+  for (int c = 0; c < n->components.count; c++) {
+    n->places[c].first_ring = total;
+    total += n->components.list[c].high - n->components.list[c].low + 1;
+  }
+  placido_memory_free(n->rings);
+  n->rings = placido_memory_new((size_t)total, sizeof *n->rings, err);
+  if (!n->rings) {
+    return PLACIDO_MEMORY;
+  }
   for (size_t i = 0; i < n->crossings->count; i++) {
     const placido_crossing *x = &n->crossings->list[i];
-    if (x->chain >= 0 && n->components.member[x->chain] == c &&
-        n->components.relative[x->chain] == relative) {
-      int chain = n->chains->list[x->chain].length;
-      r.length++;
-      r.longest = chain > r.longest ? chain : r.longest;
-      r.radius += x->radius_px;
-      r.strength += fabs(x->slope);
-      r.rising = x->slope > 0;
+    int c = x->chain >= 0 ? n->components.member[x->chain] : -1;
+    if (c < 0) {
+      continue;
     }
+    int chain = n->chains->list[x->chain].length;
+    ring *r = &n->rings[n->places[c].first_ring + n->components.relative[x->chain] -
+                        n->components.list[c].low];
+    r->length++;
+    r->longest = chain > r->longest ? chain : r->longest;
+    r->radius += x->radius_px;
+    r->strength += fabs(x->slope);
+    r->rising = x->slope > 0;
   }
-  return r;
+  return PLACIDO_OK;
 }
 
 /* Whether relative number `relative` of a component is as long and as strong as those outwards of
@@ -129,7 +150,7 @@ static bool find_anchor(const numbering *n, int c, int *anchor) {
 static double disagreement(const numbering *n, int c, int offset, int reference) {
   double sum = 0;
   int shared = 0;
-    for (int k = n->components.list[c].low; k <= n->components.list[c].high && shared < 6; k++) {
+  for (int k = n->components.list[c].low; k <= n->components.list[c].high && shared < 6; k++) {
     ring a = ring_of(n, c, k), b = ring_of(n, reference, k + offset - n->places[reference].offset);
     if (a.length > n->crossings->meridians / 36 && b.length > n->crossings->meridians / 36) {
       sum += fabs(log(a.radius / a.length * b.length / b.radius));
@@ -263,6 +284,9 @@ static int number_at(numbering *n, placido_crossings *crossings, double scale, b
                                        n->expected_px, scale, err);
   if (!status) {
     memset(n->places, 0, (size_t)n->chains->count * sizeof *n->places);
+    status = sum_rings(n, err);
+  }
+  if (!status) {
     *found = anchor_all(n);
     if (*found) {
       hand_out(n, crossings);
@@ -303,6 +327,7 @@ int placido_chains_number(placido_chains *chains, placido_crossings *crossings,
   }
   placido_components_free(&n.components);
   placido_memory_free(n.places);
+  placido_memory_free(n.rings);
   placido_memory_free(work);
   return status;
 }

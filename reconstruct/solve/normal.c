@@ -133,16 +133,23 @@ static void patch_of(int a, double patch[4][4]) {
   }
 }
 
+/* The operator's value at one place of the coefficients. */
+static double difference_at(const placido_normal *n, const double *coefficients, int column,
+                            int row, double patch[4][4]) {
+  double value = 0;
+  for (int k = 0; k < 16; k++) {
+    if (patch[k / 4][k % 4] != 0) {
+      value += patch[k / 4][k % 4] * coefficients[(row + k / 4) * n->grid.side + column + k % 4];
+    }
+  }
+  return value;
+}
+
 static void smooth_at(placido_normal *n, const double *coefficients, int column, int row,
                       double weight, double patch[4][4]) {
   double *x = n->matrix->x;
   int side = n->grid.side;
-  double value = 0;
-  for (int k = 0; k < 16; k++) {
-    if (patch[k / 4][k % 4] != 0) {
-      value += patch[k / 4][k % 4] * coefficients[(row + k / 4) * side + column + k % 4];
-    }
-  }
+  double value = difference_at(n, coefficients, column, row, patch);
   for (int c = 0; c < 16; c++) {
     double pc = patch[c / 4][c % 4];
     if (pc == 0) {
@@ -156,8 +163,9 @@ static void smooth_at(placido_normal *n, const double *coefficients, int column,
   }
 }
 
+static const double binomial[4] = {1, 3, 3, 1};
+
 void placido_normal_smooth(placido_normal *normal, double weight, const double *coefficients) {
-  static const double binomial[4] = {1, 3, 3, 1};
   double knot = normal->grid.knot_mm, scale = weight / (knot * knot * knot * knot);
   int side = normal->grid.side;
   for (int a = 0; a < 4; a++) {
@@ -169,6 +177,22 @@ void placido_normal_smooth(placido_normal *normal, double weight, const double *
       }
     }
   }
+}
+
+double placido_normal_roughness(const placido_normal *normal, const double *coefficients) {
+  double knot = normal->grid.knot_mm, sum = 0;
+  int side = normal->grid.side;
+  for (int a = 0; a < 4; a++) {
+    double patch[4][4];
+    patch_of(a, patch);
+    for (int row = 0; row + 3 - a < side; row++) {
+      for (int column = 0; column + a < side; column++) {
+        double value = difference_at(normal, coefficients, column, row, patch);
+        sum += binomial[a] * value * value;
+      }
+    }
+  }
+  return sum / (knot * knot * knot * knot);
 }
 
 static void scale_diagonal(placido_normal *n, double factor) {

@@ -26,6 +26,9 @@ void placido_normal_add(placido_normal *normal, int column, int row, const doubl
  * coefficients (thin-plate like: x³, 3 x²y, 3 xy², y³), and its gradient to the right-hand side. */
 void placido_normal_smooth(placido_normal *normal, double weight, const double *coefficients);
 
+/* The penalty of placido_normal_smooth at weight 1. */
+double placido_normal_roughness(const placido_normal *normal, const double *coefficients);
+
 /* Factorises (matrix + damping · diagonal) and solves into `step`. PLACIDO_QUALITY where the matrix
  * is not positive definite. */
 int placido_normal_solve(placido_normal *normal, double damping, double *step,

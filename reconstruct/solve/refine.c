@@ -65,27 +65,6 @@ static double loss(double residual) {
   return 2 * HUBER * HUBER * (sqrt(1 + x * x) - 1);
 }
 
-static double third_differences(const placido_grid *grid, const double *c) {
-  static const double binomial[4] = {1, 3, 3, 1};
-  static const double d[4][4] = {{1, 0, 0, 0}, {-1, 1, 0, 0}, {1, -2, 1, 0}, {-1, 3, -3, 1}};
-  double sum = 0;
-  int side = grid->side;
-  for (int a = 0; a < 4; a++) {
-    for (int row = 0; row + 3 - a < side; row++) {
-      for (int column = 0; column + a < side; column++) {
-        double value = 0;
-        for (int j = 0; j <= 3 - a; j++) {
-          for (int i = 0; i <= a; i++) {
-            value += d[3 - a][j] * d[a][i] * c[(row + j) * side + column + i];
-          }
-        }
-        sum += binomial[a] * value * value;
-      }
-    }
-  }
-  return sum / pow(grid->knot_mm, 4);
-}
-
 /* The spline's value at the axis. */
 static double at_axis(const placido_refinement *r, placido_basis *basis) {
   double value[6];
@@ -114,7 +93,7 @@ static double cost(const placido_refinement *r) {
   placido_basis basis;
   double off = at_axis(r, &basis);
   return sum + PLACIDO_DISTANCE_WEIGHT * off * off +
-         r->smoothing * third_differences(r->shape.grid, r->coefficients);
+         r->smoothing * placido_normal_roughness(r->normal, r->coefficients);
 }
 
 static size_t cell_of(const placido_sample *s, int cells) {
