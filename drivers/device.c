@@ -223,7 +223,25 @@ int placido_device_next(placido_device *device, placido_frame *frame, int timeou
     return placido_error_set(err, PLACIDO_INPUT, "the %s device is not started",
                              device->driver->scheme);
   }
+  if (!device->driver->next) {
+    return placido_error_set(err, PLACIDO_UNSUPPORTED, "a %s device gives no pictures",
+                             device->driver->scheme);
+  }
   return device->driver->next(device->state, frame, timeout_ms > 0 ? timeout_ms : 0, err);
+}
+
+int placido_device_event(placido_device *device, placido_event *event, int timeout_ms,
+                         placido_error *err) {
+  *event = (placido_event){0};
+  if (!device->driver->event) {
+    return placido_error_set(err, PLACIDO_UNSUPPORTED, "a %s device tells of no events",
+                             device->driver->scheme);
+  }
+  if (!device->started) {
+    return placido_error_set(err, PLACIDO_INPUT, "the %s device is not started",
+                             device->driver->scheme);
+  }
+  return device->driver->event(device->state, event, timeout_ms > 0 ? timeout_ms : 0, err);
 }
 
 int placido_device_stop(placido_device *device, placido_error *err) {

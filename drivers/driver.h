@@ -5,6 +5,14 @@
 #include <placido/device.h>
 #include <stddef.h>
 
+/* What udev knows such a device by; the rules for permissions and names are made from it. */
+typedef struct placido_match {
+  const char *subsystem;        /* "usb", "video4linux", "gpio" */
+  int usb_class, usb_subclass;  /* of an interface; -1: any */
+  const char *link;             /* udev's name for /dev/placido/: "camera-$attr{serial}" */
+  const char *group;            /* who may open it beside the one at the seat; NULL: nobody */
+} placido_match;
+
 /* `state` is what open made. Functions that may be NULL say what that means. */
 typedef struct placido_driver {
   const char *scheme;  /* what stands before the colon of a URI */
@@ -34,10 +42,18 @@ typedef struct placido_driver {
   int (*get)(void *state, size_t control, double *value, placido_error *err);
   int (*set)(void *state, size_t control, double value, placido_error *err);
 
+  /* How udev tells such devices, ended by a row without subsystem. NULL: they are no devices of
+   * the kernel's. */
+  const placido_match *matches;
+
   /* Never called while started. */
   int (*start)(void *state, placido_error *err);
-  /* Called between start and stop only; blocks for at most timeout_ms (0 or more). */
+  /* Called between start and stop only; blocks for at most timeout_ms (0 or more). PLACIDO_GONE
+   * where the device was unplugged: start finds it again, or says PLACIDO_GONE once more. NULL: it
+   * gives no pictures. */
   int (*next)(void *state, placido_frame *frame, int timeout_ms, placido_error *err);
+  /* As next. NULL: there are no events. */
+  int (*event)(void *state, placido_event *event, int timeout_ms, placido_error *err);
   /* Called once for each successful start. NULL: nothing is to be done. */
   int (*stop)(void *state, placido_error *err);
 

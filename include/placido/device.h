@@ -66,6 +66,19 @@ int placido_device_next(placido_device *device, placido_frame *frame, int timeou
                         placido_error *err);
 int placido_device_stop(placido_device *device, placido_error *err);
 
+/* What a device tells between or instead of pictures: a trigger, a foot pedal. */
+typedef struct placido_event {
+  int64_t t_ns;     /* monotonic, as the kernel stamped it */
+  uint64_t seq;     /* of the device's events, from 1; a gap tells of lost ones */
+  const char *name; /* "pedal"; borrowed until the device is closed */
+  int value;        /* 1 pressed or begun, 0 released or ended */
+} placido_event;
+
+/* The next event of a started device within timeout_ms. PLACIDO_UNSUPPORTED: it has none. Returns
+ * PLACIDO_OK, PLACIDO_TIMEOUT, PLACIDO_GONE, PLACIDO_SYSTEM. */
+int placido_device_event(placido_device *device, placido_event *event, int timeout_ms,
+                         placido_error *err);
+
 /* Zeros where the device counts nothing. */
 void placido_device_statistics_get(const placido_device *device,
                                    placido_device_statistics *statistics);

@@ -19,6 +19,7 @@ enum placido_status {
   PLACIDO_UNSUPPORTED = -5, /* understood, but this build or device cannot do it */
   PLACIDO_END = -6,         /* the stream has no further frame */
   PLACIDO_TIMEOUT = -7,     /* the deadline passed */
+  PLACIDO_GONE = -8,        /* the device is not there any longer: unplugged */
 };
 
 /* A fixed-size note on the caller's stack. `text` is one line without a trailing newline. */

@@ -1,0 +1,64 @@
+/* Where a USB3 Vision camera keeps what every camera has: the bootstrap registers (GenCP's ABRM,
+ * USB3 Vision's SBRM and SIRM) and the manifest of its description files. */
+#ifndef PLACIDO_U3V_WIRE_REGISTERS_H
+#define PLACIDO_U3V_WIRE_REGISTERS_H
+
+/* ABRM, at address 0 */
+#define PLACIDO_ABRM_GENCP_VERSION 0x000
+#define PLACIDO_ABRM_MANUFACTURER 0x004 /* strings of 64 bytes */
+#define PLACIDO_ABRM_MODEL 0x044
+#define PLACIDO_ABRM_FAMILY 0x084
+#define PLACIDO_ABRM_DEVICE_VERSION 0x0C4
+#define PLACIDO_ABRM_MANUFACTURER_INFO 0x104
+#define PLACIDO_ABRM_SERIAL 0x144
+#define PLACIDO_ABRM_USER_NAME 0x184
+#define PLACIDO_ABRM_CAPABILITY 0x1C4        /* 8 bytes */
+#define PLACIDO_ABRM_MAX_RESPONSE_MS 0x1CC
+#define PLACIDO_ABRM_MANIFEST_ADDRESS 0x1D0  /* 8 bytes */
+#define PLACIDO_ABRM_SBRM_ADDRESS 0x1D8      /* 8 bytes */
+#define PLACIDO_ABRM_CONFIGURATION 0x1E0     /* 8 bytes */
+#define PLACIDO_ABRM_TIMESTAMP 0x1F0         /* 8 bytes */
+#define PLACIDO_ABRM_TIMESTAMP_LATCH 0x1F8
+#define PLACIDO_ABRM_TIMESTAMP_INCREMENT 0x1FC /* 8 bytes */
+#define PLACIDO_ABRM_ACCESS_PRIVILEGE 0x204
+#define PLACIDO_ABRM_PROTOCOL_ENDIANNESS 0x208
+#define PLACIDO_ABRM_IMPLEMENTATION_ENDIANNESS 0x20C
+#define PLACIDO_ABRM_BYTES 0x210
+
+/* SBRM */
+#define PLACIDO_SBRM_U3V_VERSION 0x00
+#define PLACIDO_SBRM_CAPABILITY 0x04    /* 8 bytes; bit 0: there is a SIRM */
+#define PLACIDO_SBRM_CONFIGURATION 0x0C /* 8 bytes */
+#define PLACIDO_SBRM_MAX_COMMAND 0x14
+#define PLACIDO_SBRM_MAX_ACK 0x18
+#define PLACIDO_SBRM_STREAM_CHANNELS 0x1C
+#define PLACIDO_SBRM_SIRM_ADDRESS 0x20  /* 8 bytes */
+#define PLACIDO_SBRM_SIRM_LENGTH 0x28
+#define PLACIDO_SBRM_EIRM_ADDRESS 0x2C  /* 8 bytes */
+#define PLACIDO_SBRM_EIRM_LENGTH 0x34
+#define PLACIDO_SBRM_CURRENT_SPEED 0x40
+#define PLACIDO_SBRM_BYTES 0x44
+
+/* SIRM */
+#define PLACIDO_SIRM_INFO 0x00 /* bits 31 to 24: log2 of the alignment of sizes */
+#define PLACIDO_SIRM_CONTROL 0x04
+#define PLACIDO_SIRM_CONTROL_ENABLE 1u
+#define PLACIDO_SIRM_REQUIRED_PAYLOAD 0x08 /* 8 bytes */
+#define PLACIDO_SIRM_REQUIRED_LEADER 0x10
+#define PLACIDO_SIRM_REQUIRED_TRAILER 0x14
+#define PLACIDO_SIRM_MAX_LEADER 0x18
+#define PLACIDO_SIRM_PAYLOAD_SIZE 0x1C
+#define PLACIDO_SIRM_PAYLOAD_COUNT 0x20
+#define PLACIDO_SIRM_FINAL1 0x24
+#define PLACIDO_SIRM_FINAL2 0x28
+#define PLACIDO_SIRM_MAX_TRAILER 0x2C
+#define PLACIDO_SIRM_BYTES 0x30
+
+/* The manifest: a count of 8 bytes, then entries. */
+#define PLACIDO_MANIFEST_ENTRY_BYTES 64
+#define PLACIDO_MANIFEST_SCHEMA 4   /* within an entry; 4 bytes, see placido_manifest_is_zip */
+#define PLACIDO_MANIFEST_ADDRESS 8  /* 8 bytes */
+#define PLACIDO_MANIFEST_SIZE 16    /* 8 bytes */
+#define PLACIDO_MANIFEST_TYPE(schema) (((schema) >> 10) & 0x1Fu) /* 0: XML, 1: XML in a zip */
+
+#endif
