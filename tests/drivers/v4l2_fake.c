@@ -1,13 +1,13 @@
-/* A camera played from a script, in the place of the kernel's system calls. */
-#include "tests/drivers/v4l2_fake.h"
+/* A camera played from a script, in the place of the kernel's system calls: who it is, what it
+ * offers, how it is set. */
+#include "tests/drivers/v4l2_fake_inside.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
 #define COUNT(array) (sizeof(array) / sizeof *(array))
-#define FD_FIRST 100000 /* no descriptor of the process */
 
 struct fake fake;
 
@@ -42,33 +42,44 @@ void fake_replug(void) {
   fake.sequence = 0;
 }
 
-static int fail(int code) {
+int fake_fail(int code) {
   errno = code;
   return -1;
 }
 
-/* Counts a call; true where it is to fail. */
-static bool must_fail(void) {
+bool fake_must_fail(void) {
   fake.call_count++;
   return fake.fail_at > 0 && (fake.call_count == fake.fail_at ||
                               (fake.fails_for_ever && fake.call_count > fake.fail_at));
 }
 
-static bool is_alive(int fd) {
-  return fd == FD_FIRST + fake.generation && !fake.is_gone;
+bool fake_is_alive(int fd) {
+  return fd == FAKE_FD_FIRST + fake.generation && !fake.is_gone;
+}
+
+uint32_t fake_or_lie(uint32_t truth, uint32_t lie) {
+  return lie ? lie : truth;
+}
+
+/* Whether a path ends with the name of a node. */
+static bool is_node(const char *path, int node) {
+  char name[32];
+  const int length = snprintf(name, sizeof name, "/dev/video%d", node);
+  const size_t size = strlen(path);
+  return size >= (size_t)length && strcmp(path + size - (size_t)length, name) == 0;
 }
 
 static int fake_open(const char *path, int flags) {
-  if (must_fail()) {
-    return fail(fake.fail_code);
+  if (fake_must_fail()) {
+    return fake_fail(fake.fail_code);
   }
   fake.last_open_flags = flags;
-  fake.is_second = fake.second_bus && strstr(path, "/dev/video1");
-  if (fake.is_gone || (!fake.is_second && !strstr(path, "/dev/video0"))) {
-    return fail(ENOENT);
+  fake.is_second = fake.second_bus && is_node(path, 1);
+  if (fake.is_gone || (!fake.is_second && !is_node(path, fake.node))) {
+    return fake_fail(ENOENT);
   }
   fake.open_count++;
-  return FD_FIRST + fake.generation;
+  return FAKE_FD_FIRST + fake.generation;
 }
 
 static int fake_close(int fd) {
@@ -114,7 +125,7 @@ static int enumerate_formats(struct v4l2_fmtdesc *said) {
       return 0;
     }
   }
-  return fail(EINVAL);
+  return fake_fail(EINVAL);
 }
 
 static int enumerate_sizes(struct v4l2_frmsizeenum *said) {
@@ -132,7 +143,7 @@ static int enumerate_sizes(struct v4l2_frmsizeenum *said) {
       return 0;
     }
   }
-  return fail(fake.gives_no_sizes ? ENOTTY : EINVAL);
+  return fake_fail(fake.gives_no_sizes ? ENOTTY : EINVAL);
 }
 
 static int enumerate_rates(struct v4l2_frmivalenum *said) {
@@ -146,11 +157,7 @@ static int enumerate_rates(struct v4l2_frmivalenum *said) {
       return 0;
     }
   }
-  return fail(EINVAL);
-}
-
-static uint32_t or_lie(uint32_t truth, uint32_t lie) {
-  return lie ? lie : truth;
+  return fake_fail(EINVAL);
 }
 
 /* Takes the offer of the format whose size is nearest, as drivers do. */
@@ -172,17 +179,17 @@ static void settle(uint32_t fourcc, uint32_t width, uint32_t height) {
     fake.height = height;
     fake.fourcc = best->fourcc;
   } else if (best) {
-    fake.fourcc = or_lie(best->fourcc, fake.lie_fourcc);
-    fake.width = or_lie(best->width, fake.lie_width);
-    fake.height = or_lie(best->height, fake.lie_height);
+    fake.fourcc = fake_or_lie(best->fourcc, fake.lie_fourcc);
+    fake.width = fake_or_lie(best->width, fake.lie_width);
+    fake.height = fake_or_lie(best->height, fake.lie_height);
   }
   fake.stride = fake.lie_stride;
-  fake.size = or_lie((uint32_t)fake.picture_size, fake.lie_size);
+  fake.size = fake_or_lie((uint32_t)fake.picture_size, fake.lie_size);
 }
 
 static int do_format(struct v4l2_format *said, bool sets) {
   if (fake.is_streaming && sets) {
-    return fail(EBUSY);
+    return fake_fail(EBUSY);
   }
   struct v4l2_pix_format *pix = &said->fmt.pix;
   struct v4l2_pix_format_mplane *planes = &said->fmt.pix_mp;
@@ -194,7 +201,7 @@ static int do_format(struct v4l2_format *said, bool sets) {
     planes->height = fake.height;
     planes->pixelformat = fake.fourcc;
     planes->field = V4L2_FIELD_NONE;
-    planes->num_planes = (uint8_t)or_lie(1, fake.lie_planes);
+    planes->num_planes = (uint8_t)fake_or_lie(1, fake.lie_planes);
     planes->plane_fmt[0].bytesperline = fake.stride;
     planes->plane_fmt[0].sizeimage = fake.size;
   } else {
@@ -211,125 +218,15 @@ static int do_format(struct v4l2_format *said, bool sets) {
 static int do_rate(struct v4l2_streamparm *said, bool sets) {
   struct v4l2_fract *interval = &said->parm.capture.timeperframe;
   if (!fake.has_rate) {
-    return fail(ENOTTY);
+    return fake_fail(ENOTTY);
   }
   if (sets && fake.is_streaming) {
-    return fail(EBUSY);
+    return fake_fail(EBUSY);
   }
   if (sets) { /* it can do 30 and 60 */
     fake.rate = 2 * interval->denominator > 90 * interval->numerator ? 60 : 30;
   }
   *interval = (struct v4l2_fract){1, fake.rate};
-  return 0;
-}
-
-static int request(struct v4l2_requestbuffers *said) {
-  if (!fake.can_stream) {
-    return fail(EINVAL);
-  }
-  if (said->count > 0 && fake.is_streaming) {
-    return fail(EBUSY);
-  }
-  fake.queue_length = 0;
-  fake.buffer_count = said->count < 8 ? said->count : 8;
-  fake.buffer_size = or_lie((uint32_t)fake.picture_size, fake.lie_length);
-  said->count = said->count ? or_lie(fake.buffer_count, fake.lie_count) : 0;
-  return 0;
-}
-
-static int query_buffer(struct v4l2_buffer *said) {
-  if (said->index >= or_lie(fake.buffer_count, fake.lie_count)) {
-    return fail(EINVAL);
-  }
-  if (fake.is_multiplanar) {
-    said->m.planes[0].length = fake.buffer_size;
-    said->m.planes[0].m.mem_offset = said->index * 4096;
-    said->length = 1;
-  } else {
-    said->length = fake.buffer_size;
-    said->m.offset = said->index * 4096;
-  }
-  return 0;
-}
-
-static int queue(struct v4l2_buffer *said) {
-  if (said->index >= fake.buffer_count || fake.buffers[said->index].is_queued) {
-    return fail(EINVAL);
-  }
-  fake.buffers[said->index].is_queued = true;
-  fake.queue[fake.queue_length++] = said->index;
-  return 0;
-}
-
-static const struct fake_event *event_now(void) {
-  static const struct fake_event fine;
-  return fake.event_next < fake.event_count ? &fake.events[fake.event_next] : &fine;
-}
-
-static struct fake_event take_event(void) {
-  const struct fake_event event = *event_now();
-  fake.event_next += fake.event_next < fake.event_count;
-  return event;
-}
-
-static void fill(uint8_t *bytes, size_t size) {
-  memset(bytes, 0, size);
-  if (fake.picture) {
-    memcpy(bytes, fake.picture, size < fake.picture_size ? size : fake.picture_size);
-  }
-}
-
-static int dequeue(struct v4l2_buffer *said) {
-  if (!fake.is_streaming) {
-    return fail(EINVAL);
-  }
-  if (fake.queue_length == 0 || event_now()->is_silent) {
-    return fail(EAGAIN);
-  }
-  const struct fake_event event = take_event();
-  if (event.is_unplug) {
-    fake_unplug();
-    return fail(EINVAL);
-  }
-  if (event.code) {
-    return fail(event.code);
-  }
-  const uint32_t index = fake.queue[0];
-  fake.queue_length--;
-  memmove(fake.queue, fake.queue + 1, fake.queue_length * sizeof *fake.queue);
-  fake.buffers[index].is_queued = false;
-  if (fake.buffers[index].bytes) {
-    fill(fake.buffers[index].bytes, fake.buffer_size);
-  }
-  fake.sequence += event.skip;
-  const uint32_t used = event.is_short ? event.used : fake.buffer_size;
-  said->index = event.is_elsewhere ? event.index : index;
-  said->flags = event.flags | V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
-  said->sequence = fake.sequence++;
-  said->timestamp.tv_sec = fake.lie_seconds ? fake.lie_seconds : fake.clock_ns / 1000000000;
-  said->timestamp.tv_usec = fake.clock_ns % 1000000000 / 1000;
-  if (fake.is_multiplanar) {
-    said->m.planes[0].bytesused = used;
-    said->m.planes[0].data_offset = fake.lie_data_offset;
-  } else {
-    said->bytesused = used;
-  }
-  return 0;
-}
-
-static int stream(bool on) {
-  if (on && !fake.can_stream) {
-    return fail(EINVAL);
-  }
-  fake.streamon_count += on;
-  fake.is_streaming = on;
-  if (on) {
-    fake.sequence = 0;
-  }
-  for (size_t i = 0; !on && i < FAKE_BUFFERS; i++) {
-    fake.buffers[i].is_queued = false;
-  }
-  fake.queue_length = on ? fake.queue_length : 0;
   return 0;
 }
 
@@ -348,7 +245,7 @@ static int query_control(struct v4l2_query_ext_ctrl *said) {
       return 0;
     }
   }
-  return fail(EINVAL);
+  return fake_fail(EINVAL);
 }
 
 static struct fake_control *control_of(uint32_t id) {
@@ -363,7 +260,7 @@ static struct fake_control *control_of(uint32_t id) {
 static int query_menu(struct v4l2_querymenu *said) {
   const struct fake_control *control = control_of(said->id);
   if (!control || said->index > control->max || said->index == 2) { /* menus have gaps */
-    return fail(EINVAL);
+    return fake_fail(EINVAL);
   }
   memset(said->name, 0, sizeof said->name);
   memcpy(said->name, said->index ? "Manual" : "Auto", 4 + 2 * (said->index != 0));
@@ -374,11 +271,11 @@ static int do_control(struct v4l2_ext_controls *all, bool sets) {
   struct v4l2_ext_control *one = &all->controls[0];
   struct fake_control *control = control_of(one->id);
   if (!control || all->count != 1) {
-    return fail(EINVAL);
+    return fake_fail(EINVAL);
   }
   const struct fake_control *automatic = control_of(V4L2_CID_EXPOSURE_AUTO);
   if (sets && control->id == V4L2_CID_EXPOSURE_ABSOLUTE && automatic && automatic->value != 1) {
-    return fail(EACCES);
+    return fake_fail(EACCES);
   }
   const bool is_wide = control->type == V4L2_CTRL_TYPE_INTEGER64;
   if (sets) {
@@ -393,23 +290,15 @@ static int do_control(struct v4l2_ext_controls *all, bool sets) {
   return 0;
 }
 
-static int export(struct v4l2_exportbuffer *said) {
-  if (fake.cannot_export || said->index >= fake.buffer_count) {
-    return fail(ENOTTY);
-  }
-  said->fd = FD_FIRST + 500;
-  return 0;
-}
-
 static int fake_ioctl(int fd, unsigned long request_code, void *argument) {
-  if (must_fail()) {
-    return fail(fake.fail_code);
+  if (fake_must_fail()) {
+    return fake_fail(fake.fail_code);
   }
   if (fd < 0) {
-    return fail(EBADF);
+    return fake_fail(EBADF);
   }
-  if (!is_alive(fd)) {
-    return fail(ENODEV);
+  if (!fake_is_alive(fd)) {
+    return fake_fail(ENODEV);
   }
   switch (request_code) {
   case VIDIOC_QUERYCAP: return query_capabilities(argument);
@@ -420,97 +309,19 @@ static int fake_ioctl(int fd, unsigned long request_code, void *argument) {
   case VIDIOC_S_FMT: return do_format(argument, true);
   case VIDIOC_G_PARM: return do_rate(argument, false);
   case VIDIOC_S_PARM: return do_rate(argument, true);
-  case VIDIOC_REQBUFS: return request(argument);
-  case VIDIOC_QUERYBUF: return query_buffer(argument);
-  case VIDIOC_QBUF: return queue(argument);
-  case VIDIOC_DQBUF: return dequeue(argument);
-  case VIDIOC_STREAMON: return stream(true);
-  case VIDIOC_STREAMOFF: return stream(false);
+  case VIDIOC_REQBUFS: return fake_request_buffers(argument);
+  case VIDIOC_QUERYBUF: return fake_query_buffer(argument);
+  case VIDIOC_QBUF: return fake_queue(argument);
+  case VIDIOC_DQBUF: return fake_dequeue(argument);
+  case VIDIOC_STREAMON: return fake_stream(true);
+  case VIDIOC_STREAMOFF: return fake_stream(false);
   case VIDIOC_QUERY_EXT_CTRL: return query_control(argument);
   case VIDIOC_QUERYMENU: return query_menu(argument);
   case VIDIOC_G_EXT_CTRLS: return do_control(argument, false);
   case VIDIOC_S_EXT_CTRLS: return do_control(argument, true);
-  case VIDIOC_EXPBUF: return export(argument);
-  default: return fail(ENOTTY);
+  case VIDIOC_EXPBUF: return fake_export(argument);
+  default: return fake_fail(ENOTTY);
   }
-}
-
-static void *fake_mmap(void *address, size_t length, int protection, int flags, int fd,
-                       off_t offset) {
-  (void)address;
-  (void)protection;
-  (void)flags;
-  if (must_fail()) {
-    errno = fake.fail_code;
-    return MAP_FAILED;
-  }
-  const size_t index = (size_t)offset / 4096;
-  uint8_t *bytes =
-      is_alive(fd) && length == fake.buffer_size && index < FAKE_BUFFERS ? malloc(length) : NULL;
-  if (!bytes) {
-    errno = is_alive(fd) ? EINVAL : ENODEV;
-    return MAP_FAILED;
-  }
-  fake.buffers[index].bytes = bytes;
-  fake.mapped_count++;
-  return bytes;
-}
-
-static int fake_munmap(void *address, size_t length) {
-  (void)length;
-  for (size_t i = 0; i < FAKE_BUFFERS; i++) {
-    if (fake.buffers[i].bytes == address) {
-      fake.buffers[i].bytes = NULL;
-    }
-  }
-  free(address);
-  fake.mapped_count--;
-  return 0;
-}
-
-static int fake_poll(struct pollfd *files, nfds_t count, int timeout_ms) {
-  if (must_fail()) {
-    fake.clock_ns += 1000000; /* time goes on, whatever fails */
-    return fail(fake.fail_code);
-  }
-  if (count == 0) {
-    fake.clock_ns += (int64_t)timeout_ms * 1000000;
-    return 0;
-  }
-  if (!is_alive(files->fd)) {
-    files->revents = POLLERR | POLLHUP;
-    return 1;
-  }
-  const bool has_room = fake.can_stream ? fake.queue_length > 0 : true;
-  if (fake.is_always_ready || (has_room && !event_now()->is_silent)) {
-    fake.clock_ns += 1000000;
-    files->revents = POLLIN;
-    return 1;
-  }
-  fake.clock_ns += (int64_t)timeout_ms * 1000000;
-  fake.event_next += event_now()->is_silent;
-  return 0;
-}
-
-static ssize_t fake_read(int fd, void *bytes, size_t size) {
-  if (must_fail()) {
-    return fail(fake.fail_code);
-  }
-  if (!is_alive(fd)) {
-    return fail(ENODEV);
-  }
-  const struct fake_event event = take_event();
-  if (event.is_unplug) {
-    fake_unplug();
-    return fail(EIO);
-  }
-  if (event.code) {
-    return fail(event.code);
-  }
-  const size_t given = event.is_short ? event.used : fake.picture_size;
-  const size_t whole = given < size ? given : size;
-  fill(bytes, whole);
-  return (ssize_t)whole;
 }
 
 static int64_t fake_clock(void) {

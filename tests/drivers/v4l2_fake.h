@@ -60,6 +60,7 @@ struct fake {
   uint32_t buffer_count, buffer_size;
   uint32_t queue[FAKE_BUFFERS], queue_length; /* the order they were queued in */
   bool is_streaming, is_gone;
+  int node;          /* it is /dev/video<node> */
   int generation;    /* of the plug: a descriptor of an earlier one is dead */
   uint32_t sequence; /* of the next picture */
   struct fake_event events[FAKE_EVENTS];
