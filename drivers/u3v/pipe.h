@@ -66,7 +66,8 @@ typedef struct placido_u3v_calls {
   void (*wait)(void *pipe, int timeout_ms);
   void (*forget)(void *pipe, placido_u3v_transfer *transfer); /* not pending; zeroed is legal */
 
-  /* Halts an endpoint and clears the halt, so that both sides begin anew (USB3 Vision). */
+  /* Halts an endpoint and clears the halt, so that both sides begin anew (USB3 Vision). Endpoint 0
+   * stands for both of the control channel. */
   enum placido_u3v_end (*reset)(void *pipe, uint8_t endpoint);
 
   int64_t (*clock_ns)(void *context); /* monotonic */
@@ -74,7 +75,7 @@ typedef struct placido_u3v_calls {
   void *context;
 } placido_u3v_calls;
 
-/* libusb's; the context is made by the first use and ends with the process. */
+/* libusb's. Every open pipe has a context of its own, so that nothing is shared. */
 const placido_u3v_calls *placido_u3v_libusb(void);
 
 #endif

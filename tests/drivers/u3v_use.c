@@ -1,0 +1,108 @@
+/* What tests do with a USB3 Vision camera whose script is `fake`. */
+#include "tests/drivers/u3v_use.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+#include <string.h>
+
+static const placido_driver *const driver = &placido_u3v_driver;
+
+int reset(void **state) {
+  (void)state;
+  fake_reset();
+  return 0;
+}
+
+int nothing_is_left(void **state) {
+  (void)state;
+  return fake.open_count == 0 && fake.own_count == 0 && fake.pending_count == 0 ? 0 : -1;
+}
+
+void *open_camera(const char *address, placido_notes *notes) {
+  void *camera;
+  placido_error err = {0};
+  if (placido_u3v_open(&camera, address, &fake_calls, notes, &err)) {
+    fail_msg("%s", err.text);
+  }
+  return camera;
+}
+
+void *start_camera(const char *address) {
+  void *camera = open_camera(address, NULL);
+  placido_error err = {0};
+  if (driver->start(camera, &err)) {
+    fail_msg("%s", err.text);
+  }
+  return camera;
+}
+
+void stop_camera(void *camera) {
+  assert_int_equal(driver->stop(camera, NULL), PLACIDO_OK);
+  driver->close(camera);
+}
+
+placido_device_statistics counts_of(const void *camera) {
+  placido_device_statistics counts;
+  driver->statistics(camera, &counts);
+  return counts;
+}
+
+void take(void *camera, placido_frame *frame) {
+  placido_error err = {0};
+  if (driver->next(camera, frame, 500, &err)) {
+    fail_msg("%s", err.text);
+  }
+}
+
+void take_picture_of(void *camera, placido_frame *frame, uint64_t id, int black_rows) {
+  take(camera, frame);
+  for (int y = 0; y < frame->height_px; y++) {
+    for (int x = 0; x < frame->width_px; x++) {
+      const size_t byte = (size_t)y * frame->stride_bytes + (size_t)x;
+      const bool is_black = y >= frame->height_px - black_rows;
+      const uint8_t expected = is_black ? 0 : fake_sample(id, byte);
+      if (frame->data[byte] != expected) {
+        fail_msg("picture %d: sample %d, %d is %d, not %d", (int)id, x, y, frame->data[byte],
+                 expected);
+      }
+    }
+  }
+  assert_int_equal((frame->flags & PLACIDO_FRAME_TRUNCATED) != 0, black_rows > 0);
+}
+
+void assert_says(const placido_error *err, const char *text) {
+  if (!strstr(err->text, text)) {
+    fail_msg("\"%s\" does not say \"%s\"", err->text, text);
+  }
+}
+
+size_t control_index(void *camera, const char *name) {
+  size_t count;
+  const placido_control *controls = driver->controls(camera, &count);
+  for (size_t i = 0; i < count; i++) {
+    if (strcmp(controls[i].name, name) == 0) {
+      return i;
+    }
+  }
+  fail_msg("no control %s", name);
+  return 0;
+}
+
+double value_of(void *camera, const char *name) {
+  double value;
+  placido_error err = {0};
+  if (driver->get(camera, control_index(camera, name), &value, &err)) {
+    fail_msg("%s", err.text);
+  }
+  return value;
+}
+
+void set(void *camera, const char *name, double value) {
+  placido_error err = {0};
+  if (driver->set(camera, control_index(camera, name), value, &err)) {
+    fail_msg("%s", err.text);
+  }
+}
