@@ -62,6 +62,9 @@ static int look_through(struct search *search, placido_device *device, long want
     if (status == PLACIDO_END) {
       return PLACIDO_OK;
     }
+    if (status == PLACIDO_TIMEOUT && placido_device_is_waiting(device)) {
+      continue; /* unplugged: its patience ends by itself */
+    }
     if (status != PLACIDO_OK && status != PLACIDO_INPUT) {
       return status;
     }
@@ -113,6 +116,12 @@ int placido_frame_choose(placido_frame *frame, placido_choice *choice, placido_d
   status = look_through(&search, device, wanted, err);
   if (status == PLACIDO_OK) {
     status = conclude(&search, placido_device_info_get(device)->uri, wanted, notes, err);
+  }
+  placido_device_statistics counts;
+  placido_device_statistics_get(device, &counts);
+  if (counts.replugs > 0) {
+    placido_notes_add(notes, "the device was unplugged and came back, %llu time%s",
+                      (unsigned long long)counts.replugs, counts.replugs == 1 ? "" : "s");
   }
   const int stopped = placido_device_stop(device, status == PLACIDO_OK ? err : NULL);
   status = status == PLACIDO_OK ? stopped : status;

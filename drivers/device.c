@@ -1,9 +1,11 @@
 /* A device opened by URI: finds the driver, guards the order of calls and the controls' ranges. */
-#include <placido/device.h>
+#include "drivers/device.h"
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "drivers/driver.h"
+#include "drivers/replug.h"
+
+#include <placido/device.h>
 
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +17,11 @@ struct placido_device {
   const placido_driver *driver;
   void *state;
   bool started;
+  placido_replug replug;
 };
+
+/* The setting of an address that every device has. */
+#define PATIENCE "replug_s"
 
 static const placido_driver *find_driver(const char *scheme, size_t length) {
   size_t count;
@@ -73,6 +79,32 @@ static void note_difference(placido_device *device, const char *name, double ask
   }
 }
 
+static int set_patience(placido_device *device, double replug_s, bool by_address,
+                        placido_error *err) {
+  placido_replug *replug = &device->replug;
+  if (!(replug_s >= 0 && replug_s <= PLACIDO_REPLUG_MAX_S)) {
+    return placido_error_set(err, PLACIDO_INPUT, "%s=%g: it ranges from 0 to %d seconds", PATIENCE,
+                             replug_s, PLACIDO_REPLUG_MAX_S);
+  }
+  if (by_address || !replug->is_address_patient) {
+    replug->patience_s = replug_s;
+    replug->is_address_patient = by_address;
+  }
+  return PLACIDO_OK;
+}
+
+static int set_by_address(placido_device *device, const char *name, double value,
+                          placido_notes *notes, placido_error *err) {
+  if (strcmp(name, PATIENCE) == 0) {
+    return set_patience(device, value, true, err);
+  }
+  const int status = placido_device_set(device, name, value, err);
+  if (!status) {
+    note_difference(device, name, value, notes);
+  }
+  return status;
+}
+
 /* Sets one "control=value" of a query. */
 static int apply_setting(placido_device *device, const char *setting, placido_notes *notes,
                          placido_error *err) {
@@ -87,11 +119,7 @@ static int apply_setting(placido_device *device, const char *setting, placido_no
     char *end;
     double value = strtod(equals + 1, &end);
     if (end != equals + 1 && *end == '\0') {
-      const int status = placido_device_set(device, name, value, err);
-      if (!status) {
-        note_difference(device, name, value, notes);
-      }
-      return status;
+      return set_by_address(device, name, value, notes, err);
     }
   }
   return placido_error_set(err, PLACIDO_INPUT,
@@ -123,15 +151,10 @@ static int open_address(placido_device *device, char *address, placido_notes *no
   return status || !query ? status : apply_query(device, query + 1, notes, err);
 }
 
-int placido_device_open(placido_device **device, const char *uri, placido_notes *notes,
-                        placido_error *err) {
+int placido_device_open_with(placido_device **device, const placido_driver *driver,
+                             const placido_clock *clock, const char *address,
+                             placido_notes *notes, placido_error *err) {
   *device = NULL;
-  const placido_driver *driver;
-  const char *address;
-  int status = choose_driver(&driver, &address, uri, err);
-  if (status) {
-    return status;
-  }
   placido_device *opened = placido_memory_new(1, sizeof *opened, err);
   char *copy = opened ? placido_memory_string(address, err) : NULL;
   if (!copy) {
@@ -139,14 +162,27 @@ int placido_device_open(placido_device **device, const char *uri, placido_notes 
     return PLACIDO_MEMORY;
   }
   opened->driver = driver;
-  status = open_address(opened, copy, notes, err);
+  opened->replug = (placido_replug){.driver = driver, .clock = clock};
+  const int status = open_address(opened, copy, notes, err);
   placido_memory_free(copy);
   if (status) {
     placido_device_close(opened);
     return status;
   }
+  opened->replug.state = opened->state;
   *device = opened;
   return PLACIDO_OK;
+}
+
+int placido_device_open(placido_device **device, const char *uri, placido_notes *notes,
+                        placido_error *err) {
+  *device = NULL;
+  const placido_driver *driver;
+  const char *address;
+  const int status = choose_driver(&driver, &address, uri, err);
+  return status ? status
+                : placido_device_open_with(device, driver, &placido_clock_monotonic, address,
+                                           notes, err);
 }
 
 void placido_device_close(placido_device *device) {
@@ -207,6 +243,16 @@ int placido_device_set(placido_device *device, const char *control, double value
   return device->driver->set(device->state, index, value, err);
 }
 
+int placido_device_modes(placido_device *device,
+                         int (*each)(void *user, const placido_device_mode *mode), void *user,
+                         placido_error *err) {
+  return device->driver->modes
+             ? device->driver->modes(device->state, each, user, err)
+             : placido_error_set(err, PLACIDO_UNSUPPORTED,
+                                 "a %s device has no formats to choose from",
+                                 device->driver->scheme);
+}
+
 int placido_device_start(placido_device *device, placido_error *err) {
   if (device->started) {
     return placido_error_set(err, PLACIDO_INPUT, "the %s device is started already",
@@ -217,17 +263,62 @@ int placido_device_start(placido_device *device, placido_error *err) {
   return status;
 }
 
+static int check_started(const placido_device *device, placido_error *err) {
+  return device->started ? PLACIDO_OK
+                         : placido_error_set(err, PLACIDO_INPUT, "the %s device is not started",
+                                             device->driver->scheme);
+}
+
+/* One thing that a started device gives: a frame or an event. */
+struct wish {
+  placido_frame *frame; /* NULL: an event */
+  placido_event *event;
+};
+
+/* Asks the driver for it, waiting for the device first where it is unplugged. */
+static int take(placido_device *device, const struct wish *wish, int64_t until_ns,
+                placido_error *err) {
+  placido_replug *replug = &device->replug;
+  int status = placido_replug_wait(replug, until_ns, err);
+  if (status) {
+    return status;
+  }
+  const int64_t left_ns = until_ns - replug->clock->now_ns();
+  const int left_ms = left_ns > 0 ? (int)((left_ns + 999999) / 1000000) : 0;
+  if (wish->frame) {
+    status = device->driver->next(device->state, wish->frame, left_ms, err);
+  } else {
+    status = device->driver->event(device->state, wish->event, left_ms, err);
+  }
+  return status;
+}
+
+static int take_over_replugs(placido_device *device, const struct wish *wish, int timeout_ms,
+                             placido_error *err) {
+  placido_replug *replug = &device->replug;
+  const int64_t until_ns =
+      replug->clock->now_ns() + (timeout_ms > 0 ? timeout_ms : 0) * (int64_t)1000000;
+  int status;
+  do {
+    status = take(device, wish, until_ns, err);
+  } while (status == PLACIDO_GONE && placido_replug_await(replug));
+  if (!status && wish->frame) {
+    placido_replug_order(&replug->frames, replug->count, &wish->frame->seq, &wish->frame->t_ns);
+  } else if (!status) {
+    placido_replug_order(&replug->events, replug->count, &wish->event->seq, &wish->event->t_ns);
+  }
+  return status;
+}
+
 int placido_device_next(placido_device *device, placido_frame *frame, int timeout_ms,
                         placido_error *err) {
-  if (!device->started) {
-    return placido_error_set(err, PLACIDO_INPUT, "the %s device is not started",
-                             device->driver->scheme);
-  }
   if (!device->driver->next) {
     return placido_error_set(err, PLACIDO_UNSUPPORTED, "a %s device gives no pictures",
                              device->driver->scheme);
   }
-  return device->driver->next(device->state, frame, timeout_ms > 0 ? timeout_ms : 0, err);
+  const struct wish wish = {.frame = frame};
+  const int status = check_started(device, err);
+  return status ? status : take_over_replugs(device, &wish, timeout_ms, err);
 }
 
 int placido_device_event(placido_device *device, placido_event *event, int timeout_ms,
@@ -237,19 +328,27 @@ int placido_device_event(placido_device *device, placido_event *event, int timeo
     return placido_error_set(err, PLACIDO_UNSUPPORTED, "a %s device tells of no events",
                              device->driver->scheme);
   }
-  if (!device->started) {
-    return placido_error_set(err, PLACIDO_INPUT, "the %s device is not started",
-                             device->driver->scheme);
-  }
-  return device->driver->event(device->state, event, timeout_ms > 0 ? timeout_ms : 0, err);
+  const struct wish wish = {.event = event};
+  const int status = check_started(device, err);
+  return status ? status : take_over_replugs(device, &wish, timeout_ms, err);
+}
+
+int placido_device_patience_set(placido_device *device, double replug_s, placido_error *err) {
+  return set_patience(device, replug_s, false, err);
+}
+
+bool placido_device_is_waiting(const placido_device *device) {
+  return device->replug.plug == PLACIDO_AWAITED;
 }
 
 int placido_device_stop(placido_device *device, placido_error *err) {
   if (!device->started) {
     return PLACIDO_OK;
   }
+  const bool runs = device->replug.plug == PLACIDO_PLUGGED; /* else it has been stopped already */
   device->started = false;
-  return device->driver->stop ? device->driver->stop(device->state, err) : PLACIDO_OK;
+  device->replug.plug = PLACIDO_PLUGGED;
+  return runs && device->driver->stop ? device->driver->stop(device->state, err) : PLACIDO_OK;
 }
 
 void placido_device_statistics_get(const placido_device *device,
@@ -258,31 +357,5 @@ void placido_device_statistics_get(const placido_device *device,
   if (device->driver->statistics) {
     device->driver->statistics(device->state, statistics);
   }
-}
-
-int placido_device_scan(const char *scheme,
-                        int (*found)(void *user, const char *uri, const char *description),
-                        void *user, placido_error *err) {
-  if (scheme && !find_driver(scheme, strlen(scheme))) {
-    return placido_error_set(err, PLACIDO_UNSUPPORTED, "no driver \"%.32s\" in this build",
-                             scheme);
-  }
-  size_t count;
-  const placido_driver *const *drivers = placido_driver_table(&count);
-  int status = PLACIDO_OK;
-  for (size_t i = 0; !status && i < count; i++) {
-    if (drivers[i]->scan && (!scheme || strcmp(drivers[i]->scheme, scheme) == 0)) {
-      status = drivers[i]->scan(found, user, err);
-    }
-  }
-  return status;
-}
-
-void placido_driver_list(void (*each)(void *user, const char *scheme, const char *summary),
-                         void *user) {
-  size_t count;
-  const placido_driver *const *drivers = placido_driver_table(&count);
-  for (size_t i = 0; i < count; i++) {
-    each(user, drivers[i]->scheme, drivers[i]->summary);
-  }
+  statistics->replugs = device->replug.count;
 }

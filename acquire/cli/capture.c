@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#define REPLUG_S 10            /* to put a plug that was kicked out back in */
 #define DISTANCE_SIGMA_MM 0.05 /* of a distance that nobody measured: a careful examiner's focus */
 
 static int read_instrument(struct examination *examination, placido_error *err) {
@@ -58,7 +59,10 @@ static void decide_distance(struct examination *examination) {
 static int read_device(struct examination *examination, placido_device *device,
                        placido_error *err) {
   examination->source = *placido_device_info_get(device);
-  const int status = read_instrument(examination, err);
+  int status = placido_device_patience_set(device, REPLUG_S, err);
+  if (status == PLACIDO_OK) {
+    status = read_instrument(examination, err);
+  }
   if (status != PLACIDO_OK) {
     return status;
   }

@@ -24,13 +24,14 @@ struct command {
   const char *examples; /* lines of the help, each ending with a newline */
   const struct option_group *const *groups; /* NULL-terminated */
   void (*list)(void);       /* prints what is built in, for the help; NULL: nothing is */
-  const char *needs_word;   /* what the one word is; NULL where there is none to give */
+  const char *needs_word;   /* what the one word is; NULL where there need be none */
+  bool may_have_word;       /* there may be one all the same */
   bool needs_output;        /* -o is not optional */
   int (*run)(const struct settings *settings, struct outcome *outcome, placido_error *err);
 };
 
 extern const struct command command_exam, command_reconstruct, command_simulate, command_phantom,
-    command_devices;
+    command_devices, command_device_sim;
 
 #define PROGRAM_VERSION "placido " PLACIDO_VERSION
 

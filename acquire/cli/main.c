@@ -13,7 +13,7 @@
 
 static const struct command *const commands[] = {&command_exam, &command_reconstruct,
                                                  &command_simulate, &command_phantom,
-                                                 &command_devices};
+                                                 &command_devices, &command_device_sim};
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
 
 /* Exit codes; docs/man/placido.1 lists them. A status that is not here gives EXIT_SYSTEM. */
@@ -107,7 +107,7 @@ static int check_required(const struct command *command, const struct settings *
   if (command->needs_word && settings->input[0] == '\0') {
     return placido_error_set(err, STATUS_USAGE, "%s is empty", command->needs_word);
   }
-  if (!command->needs_word && settings->input) {
+  if (!command->needs_word && !command->may_have_word && settings->input) {
     return placido_error_set(err, STATUS_USAGE, "\"%s\" is not expected (placido help %s)",
                              settings->input, command->name);
   }

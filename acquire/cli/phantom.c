@@ -1,6 +1,7 @@
 /* `placido phantom`: renders what a topographer would photograph of an analytic eye. */
 #include "acquire/cli/command.h"
 #include "acquire/cli/record.h"
+#include "acquire/cli/subject.h"
 #include "base/file.h"
 
 #include <placido/phantom.h>
@@ -19,32 +20,16 @@ struct subject {
   placido_disturbance disturbance;
 };
 
-static bool has_ending(const char *text, const char *ending) {
-  const size_t length = strlen(text), tail = strlen(ending);
-  return length > tail && strcmp(text + length - tail, ending) == 0;
-}
-
-/* A word with a slash or ".json" is a file, any other a name of the built-in list. */
-static bool is_file(const char *name) {
-  return strchr(name, '/') || has_ending(name, ".json");
-}
-
 static int load_subject(struct subject *subject, const struct settings *settings,
                         placido_notes *notes, placido_error *err) {
   if (!settings->eye || !settings->instrument) {
     return placido_error_set(err, STATUS_USAGE, "--%s is missing (placido help phantom)",
                              settings->eye ? "instrument" : "eye");
   }
-  const int status =
-      is_file(settings->eye)
-          ? placido_surface_load(&subject->surface, settings->eye, notes, err)
-          : placido_phantom_eye(&subject->surface, settings->eye, err);
-  if (status != PLACIDO_OK) {
-    return status;
-  }
-  return is_file(settings->instrument)
-             ? placido_instrument_load(&subject->instrument, settings->instrument, notes, err)
-             : placido_phantom_instrument(&subject->instrument, settings->instrument, err);
+  const int status = subject_eye(&subject->surface, settings->eye, notes, err);
+  return status == PLACIDO_OK
+             ? subject_instrument(&subject->instrument, settings->instrument, notes, err)
+             : status;
 }
 
 static void read_disturbance(placido_disturbance *disturbance, const struct settings *settings) {
@@ -174,8 +159,8 @@ static int render_session(struct work *work, placido_error *err) {
 
 static int render(const struct subject *subject, const struct settings *settings,
                   struct outcome *outcome, placido_error *err) {
-  const bool image = has_ending(settings->output, ".png");
-  if (!image && !has_ending(settings->output, ".session")) {
+  const bool image = subject_has_ending(settings->output, ".png");
+  if (!image && !subject_has_ending(settings->output, ".session")) {
     return placido_error_set(err, STATUS_USAGE, "-o %s: FILE.png or NAME.session was expected",
                              settings->output);
   }

@@ -177,17 +177,54 @@ static const struct option_row phantom_rows[] = {
      0, 2e9},
 };
 
+static const struct option_row devices_rows[] = {
+    {"watch", 0, NULL, "Go on and tell of every device that comes or goes, until Ctrl-C; with --json "
+     "one object a line.", FIELD(watch), parse_switch, 0, 0},
+};
+
+static const struct option_row simulated_rows[] = {
+    {"eye", 0, "NAME|FILE", "What is seen: a built-in eye of the phantom, or a placido-surface/1 "
+     "file, that moves a little and blinks (default normal).", FIELD(eye), parse_text, 0, 0},
+    {"instrument", 0, "NAME|FILE", "The topographer before it (default cone24).",
+     FIELD(instrument), parse_text, 0, 0},
+    {"pictures", 0, "N", "Pictures of the eye, rendered before the camera is plugged in (default "
+     "16).", FIELD(pictures), parse_integer, 1, 500},
+    {"noise", 0, "G", "Standard deviation of sensor noise, grey levels of 8 bits (default 1.5).",
+     FIELD(disturbance.noise), parse_number, 0, 100},
+    {"bits", 0, "N", "Bits of a sample, 8 to 16 (default 8).", FIELD(disturbance.bits),
+     parse_integer, 8, 16},
+    {"face", 0, "NAME", "The kind of camera (default u3v).", FIELD(face), parse_text, 0, 0},
+    {"serial", 0, "TEXT", "Its serial number (default SIM0001).", FIELD(serial), parse_text, 0, 0},
+    {"rate", 0, "HZ", "Pictures a second until the host asks for another rate (default: the "
+     "session's, or 30).", FIELD(rate_hz), parse_number, 0.1, 500},
+    {"high-speed", 0, NULL, "As a device of USB 2; without, of USB 3.", FIELD(high_speed),
+     parse_switch, 0, 0},
+    {"zip", 0, NULL, "u3v: its description file comes in a zip.", FIELD(zip), parse_switch, 0, 0},
+    {"listen", 0, "[ADDRESS:]PORT", "Wait on a TCP port for \"usbip attach\" of this or another "
+     "machine, rather than be plugged into this machine's kernel. Without ADDRESS only this "
+     "machine is heard; who is heard can do as with any USB device.", FIELD(listen), parse_text, 0,
+     0},
+    {"faults", 0, "LIST", "What goes wrong when: \"stall@5s,drop*3@8s,disconnect=2s@20s,"
+     "slow=50@30s\".", FIELD(faults), parse_text, 0, 0},
+    {"for", 0, "SECONDS", "End after that time (default: never).", FIELD(for_s), parse_number,
+     0.001, 1e7},
+};
+
 const struct option_group options_general = {"General", general_rows, COUNT(general_rows)};
 const struct option_group options_directory = {"Output", directory_rows, COUNT(directory_rows)};
 const struct option_group options_measuring = {"Measuring", measuring_rows, COUNT(measuring_rows)};
 const struct option_group options_seeing = {"Seeing", seeing_rows, COUNT(seeing_rows)};
 const struct option_group options_eye = {"Eye", eye_rows, COUNT(eye_rows)};
 const struct option_group options_phantom = {"Phantom", phantom_rows, COUNT(phantom_rows)};
+const struct option_group options_devices = {"Devices", devices_rows, COUNT(devices_rows)};
+const struct option_group options_simulated = {"Simulated camera", simulated_rows,
+                                                COUNT(simulated_rows)};
 
 struct settings settings_default(void) {
   return (struct settings){
       .frame = -1,
       .frames = 8,
+      .pictures = 16,
       .pupils_mm = {.count = 3, .values = {2.0, 4.0, 8.0}},
       .disturbance = {.seed = 1},
   };

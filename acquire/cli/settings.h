@@ -44,11 +44,20 @@ struct settings {
   int frames;
   struct number_list motion, shift_mm;
   placido_disturbance disturbance;
+
+  /* devices */
+  bool watch;
+
+  /* simulated devices */
+  const char *face, *serial, *listen, *faults;
+  double rate_hz, for_s; /* 0: as the view has it; for ever */
+  int pictures;
+  bool zip, high_speed;
 };
 
 /* The option tables, in the order in which help shows them. */
 extern const struct option_group options_general, options_measuring, options_seeing, options_eye,
-    options_directory, options_phantom;
+    options_directory, options_phantom, options_devices, options_simulated;
 
 /* What holds before the command line is read. */
 struct settings settings_default(void);

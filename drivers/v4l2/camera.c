@@ -1,4 +1,5 @@
-/* A camera's node: found by path, serial number or place on the bus; opened, asked who it is. */
+/* A camera's node: found by path, serial number or place on the bus; opened, asked who it is, and
+ * found again under another number. */
 #include "drivers/v4l2/camera.h"
 
 #include "base/text.h"
@@ -9,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* The kernel numbers nodes of one kind from 0 to 255. */
 #define NODES_MAX 256
@@ -21,22 +23,33 @@ static void copy_line(char *out, size_t size, const void *text) {
   placido_text_line(out);
 }
 
-/* What the USB device that the node's interface belongs to says of itself. */
-static void read_attribute(char out[64], const placido_v4l2_camera *camera, const char *attribute) {
-  const char *name = strrchr(camera->path, '/');
-  char path[1200];
-  const int length = snprintf(path, sizeof path, "%s/sys/class/video4linux/%s/device/../%s",
-                              camera->calls->root, name ? name + 1 : camera->path, attribute);
-  FILE *file = length < (int)sizeof path ? fopen(path, "re") : NULL;
+/* The path of what the kernel tells of a node, as "index", or of the USB device that the node's
+ * interface belongs to, as "device/../serial". Returns false where it is too long. */
+static bool make_path(char path[1200], const placido_v4l2_calls *calls, const char *node,
+                      const char *attribute) {
+  const int length = snprintf(path, 1200, "%s/sys/class/video4linux/%s/%s", calls->root, node,
+                              attribute);
+  return length > 0 && length < 1200;
+}
+
+/* One attribute; left as it is where there is none. */
+static void read_attribute(char *out, size_t size, const placido_v4l2_calls *calls,
+                           const char *node, const char *attribute) {
+  char path[1200], line[64] = "";
+  FILE *file = make_path(path, calls, node, attribute) ? fopen(path, "re") : NULL;
   if (!file) {
     return;
   }
-  char line[64] = "";
   if (fgets(line, sizeof line, file)) {
     line[strcspn(line, "\n")] = '\0';
-    copy_line(out, sizeof line, line);
+    copy_line(out, size, line);
   }
   fclose(file);
+}
+
+static const char *node_of(const placido_v4l2_camera *camera) {
+  const char *name = strrchr(camera->path, '/');
+  return name ? name + 1 : camera->path;
 }
 
 /* QUERYCAP: who it is and whether it captures. Returns 0 or errno. */
@@ -82,9 +95,11 @@ static int open_node(placido_v4l2_camera *camera, const char *path,
     placido_v4l2_camera_close(camera);
     return code;
   }
-  read_attribute(camera->vendor, camera, "manufacturer");
-  read_attribute(camera->serial, camera, "serial");
-  read_attribute(camera->firmware, camera, "bcdDevice");
+  const char *node = node_of(camera);
+  read_attribute(camera->vendor, sizeof camera->vendor, calls, node, "device/../manufacturer");
+  read_attribute(camera->serial, sizeof camera->serial, calls, node, "device/../serial");
+  read_attribute(camera->firmware, sizeof camera->firmware, calls, node, "device/../bcdDevice");
+  read_attribute(camera->index, sizeof camera->index, calls, node, "index");
   return 0;
 }
 
@@ -105,7 +120,7 @@ int placido_v4l2_camera_failed(const placido_v4l2_camera *camera, const char *ac
                                placido_error *err) {
   const char *path = placido_text_tail(camera->path);
   if (!placido_v4l2_camera_is_there(camera)) {
-    return placido_error_set(err, PLACIDO_SYSTEM,
+    return placido_error_set(err, PLACIDO_GONE,
                              "the camera %s (%s) is gone: unplugged or without power",
                              camera->card, path);
   }
@@ -217,6 +232,16 @@ static void follow_link(char path[1024]) {
   free(target);
 }
 
+static int cannot_open(const char *path, int code, placido_error *err) {
+  path = placido_text_tail(path);
+  if (code == ENOTSUP || code == ENOTTY) {
+    return placido_error_set(err, PLACIDO_SYSTEM, "%s is not a camera: it gives no pictures",
+                             path);
+  }
+  return placido_error_set(err, PLACIDO_SYSTEM, "cannot open %s: %s%s", path, strerror(code),
+                           code == EACCES ? " (is the user in the group video?)" : "");
+}
+
 int placido_v4l2_camera_open(placido_v4l2_camera *camera, const char *address,
                              const placido_v4l2_calls *calls, placido_error *err) {
   *camera = (placido_v4l2_camera){.calls = calls, .fd = -1};
@@ -227,14 +252,94 @@ int placido_v4l2_camera_open(placido_v4l2_camera *camera, const char *address,
   }
   follow_link(search.path);
   const int code = open_node(camera, search.path, calls);
-  const char *path = placido_text_tail(search.path);
-  if (code == ENOTSUP || code == ENOTTY) {
-    return placido_error_set(err, PLACIDO_SYSTEM, "%s is not a camera: it gives no pictures",
-                             path);
+  return code ? cannot_open(search.path, code, err) : PLACIDO_OK;
+}
+
+/* Whether the USB devices that two nodes belong to are one. */
+static bool share_device(const placido_v4l2_calls *calls, const char *a, const char *b) {
+  char path_a[1200], path_b[1200];
+  struct stat of_a, of_b;
+  return make_path(path_a, calls, a, "device/..") && make_path(path_b, calls, b, "device/..") &&
+         stat(path_a, &of_a) == 0 && stat(path_b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
+         of_a.st_ino == of_b.st_ino;
+}
+
+bool placido_v4l2_camera_has_twin(const placido_v4l2_camera *camera) {
+  bool there[NODES_MAX], found = false;
+  list_nodes(there, camera->calls);
+  for (int i = 0; camera->serial[0] && !found && i < NODES_MAX; i++) {
+    char node[16], serial[sizeof camera->serial] = "";
+    snprintf(node, sizeof node, "video%d", i);
+    if (there[i] && strcmp(node, node_of(camera)) != 0) {
+      read_attribute(serial, sizeof serial, camera->calls, node, "device/../serial");
+      found = strcmp(serial, camera->serial) == 0 &&
+              !share_device(camera->calls, node, node_of(camera));
+    }
   }
-  if (code) {
-    return placido_error_set(err, PLACIDO_SYSTEM, "cannot open %s: %s%s", path, strerror(code),
-                             code == EACCES ? " (is the user in the group video?)" : "");
+  return found;
+}
+
+/* The search for a camera that was unplugged. */
+struct reunion {
+  const placido_v4l2_camera *known;
+  bool by_bus;
+  char path[1024]; /* of the node that is it */
+};
+
+static bool is_it(const struct reunion *reunion, const placido_v4l2_camera *camera) {
+  const placido_v4l2_camera *known = reunion->known;
+  return strcmp(known->card, camera->card) == 0 && strcmp(known->serial, camera->serial) == 0 &&
+         strcmp(known->index, camera->index) == 0 &&
+         (!reunion->by_bus || strcmp(known->bus, camera->bus) == 0);
+}
+
+static int recognise(void *user, placido_v4l2_camera *camera) {
+  struct reunion *reunion = user;
+  if (!is_it(reunion, camera)) {
+    return 0;
   }
-  return PLACIDO_OK;
+  memcpy(reunion->path, camera->path, sizeof reunion->path);
+  return 1;
+}
+
+/* Opens a node if it is the camera. Returns 0, errno, or ENODEV where it is another one, whose name
+ * is then in `other`. */
+static int open_known(placido_v4l2_camera *camera, const struct reunion *reunion,
+                      const char *path, char other[33]) {
+  const int code = open_node(camera, path, reunion->known->calls);
+  if (!code && !is_it(reunion, camera)) {
+    memcpy(other, camera->card, sizeof camera->card);
+    placido_v4l2_camera_close(camera);
+    return ENODEV;
+  }
+  return code;
+}
+
+int placido_v4l2_camera_find(placido_v4l2_camera *camera, const placido_v4l2_camera *known,
+                             const char *address, bool has_twin, placido_error *err) {
+  struct reunion reunion = {.known = known, .by_bus = has_twin || !known->serial[0]};
+  char path[1024], other[33] = "";
+  const int length = snprintf(path, sizeof path, "%s%s", known->calls->root, address);
+  /* A path of the address first: it is likely, and the only way where there is no /sys. */
+  int code = ENODEV;
+  if (strchr(address, '/') && length > 0 && length < (int)sizeof path) {
+    follow_link(path);
+    code = open_known(camera, &reunion, path, other);
+  }
+  if (code && placido_v4l2_camera_each(known->calls, recognise, &reunion, NULL) == 1) {
+    memcpy(path, reunion.path, sizeof path);
+    code = open_known(camera, &reunion, path, other);
+  }
+  if (!code) {
+    return PLACIDO_OK;
+  }
+  *camera = *known;
+  camera->fd = -1;
+  if (other[0]) {
+    return placido_error_set(err, PLACIDO_GONE, "v4l2:%s is the camera %s now, not %s", address,
+                             other, known->card);
+  }
+  return code == ENOENT || code == ENODEV || code == ENXIO
+             ? placido_v4l2_camera_failed(camera, "finding", code, err)
+             : cannot_open(path, code, err);
 }

@@ -2,7 +2,7 @@
 #include "drivers/v4l2/control.h"
 
 #include "base/text.h"
-#include "drivers/v4l2/mode.h"
+#include "drivers/v4l2/rate.h"
 
 #include <ctype.h>
 #include <errno.h>

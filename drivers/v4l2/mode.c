@@ -3,6 +3,7 @@
 
 #include "base/text.h"
 #include "drivers/v4l2/mjpeg.h"
+#include "drivers/v4l2/rate.h"
 
 #include <errno.h>
 #include <math.h>
@@ -20,33 +21,6 @@ static void name_fourcc(char name[8], uint32_t fourcc) {
     name[i] = letter > ' ' && letter <= '~' ? letter : '_';
   }
   name[4] = '\0';
-}
-
-static double rate_of(struct v4l2_fract interval) {
-  return interval.numerator > 0 ? (double)interval.denominator / interval.numerator : NAN;
-}
-
-static void list_rates(placido_v4l2_offer *offer, const placido_v4l2_camera *camera,
-                       uint32_t fourcc) {
-  offer->rate_count = 0;
-  offer->any_rate = false;
-  for (uint32_t i = 0; i < PLACIDO_V4L2_RATES_MAX; i++) {
-    struct v4l2_frmivalenum interval = {.index = i,
-                                        .pixel_format = fourcc,
-                                        .width = (uint32_t)offer->width_max_px,
-                                        .height = (uint32_t)offer->height_max_px};
-    if (placido_v4l2_ioctl(camera->calls, camera->fd, VIDIOC_ENUM_FRAMEINTERVALS, &interval)) {
-      return;
-    }
-    if (interval.type != V4L2_FRMIVAL_TYPE_DISCRETE) {
-      offer->rates_hz[0] = rate_of(interval.stepwise.min);
-      offer->rates_hz[1] = rate_of(interval.stepwise.max);
-      offer->rate_count = 2;
-      offer->any_rate = true;
-      return;
-    }
-    offer->rates_hz[offer->rate_count++] = rate_of(interval.discrete);
-  }
 }
 
 static bool is_side(uint32_t side_px) {
@@ -86,7 +60,7 @@ static int offer_sizes(placido_v4l2_offer *offer, const placido_v4l2_camera *cam
       return PLACIDO_OK;
     }
     if (take_size(offer, &size)) {
-      list_rates(offer, camera, fourcc);
+      placido_v4l2_rates_list(offer, camera, fourcc);
       status = each(user, offer);
     }
     if (size.type != V4L2_FRMSIZE_TYPE_DISCRETE) {
@@ -311,37 +285,6 @@ static int take_layout(placido_v4l2_mode *mode, const struct layout *layout,
   return PLACIDO_OK;
 }
 
-double placido_v4l2_rate(const placido_v4l2_camera *camera) {
-  struct v4l2_streamparm said = {.type = camera->type};
-  if (placido_v4l2_ioctl(camera->calls, camera->fd, VIDIOC_G_PARM, &said)) {
-    return NAN;
-  }
-  const double rate_hz = rate_of(said.parm.capture.timeperframe);
-  return rate_hz > 0 ? rate_hz : NAN;
-}
-
-int placido_v4l2_rate_set(const placido_v4l2_camera *camera, double rate_hz) {
-  struct v4l2_streamparm wish = {.type = camera->type};
-  wish.parm.capture.timeperframe =
-      (struct v4l2_fract){.numerator = 1000, .denominator = (uint32_t)lround(1000 * rate_hz)};
-  return placido_v4l2_ioctl(camera->calls, camera->fd, VIDIOC_S_PARM, &wish);
-}
-
-void placido_v4l2_rate_range(double rates_hz[2], const placido_v4l2_camera *camera,
-                             const placido_v4l2_mode *mode) {
-  placido_v4l2_offer offer = {.width_max_px = mode->width_px, .height_max_px = mode->height_px};
-  list_rates(&offer, camera, mode->format->fourcc);
-  rates_hz[0] = rates_hz[1] = NAN;
-  for (int i = 0; i < offer.rate_count; i++) {
-    rates_hz[0] = fmin(rates_hz[0], offer.rates_hz[i]);
-    rates_hz[1] = fmax(rates_hz[1], offer.rates_hz[i]);
-  }
-  if (offer.rate_count == 0 && mode->rate_hz > 0) {
-    rates_hz[0] = 1; /* settable, in a range that the camera keeps to itself */
-    rates_hz[1] = 1000;
-  }
-}
-
 static void note_differences(const placido_v4l2_mode *mode, const placido_v4l2_camera *camera,
                              const placido_v4l2_request *request, placido_notes *notes) {
   if (request->format && mode->format != request->format) {
@@ -392,9 +335,7 @@ int placido_v4l2_mode_set(placido_v4l2_mode *mode, const placido_v4l2_camera *ca
     placido_notes_add(notes, "the camera %s gives interlaced pictures: moving mires will be torn",
                       camera->card);
   }
-  if (request->rate_hz > 0) {
-    placido_v4l2_rate_set(camera, request->rate_hz); /* what came of it is asked below */
-  }
+  placido_v4l2_rate_choose(camera, mode, request);
   mode->rate_hz = placido_v4l2_rate(camera);
   note_differences(mode, camera, request, notes);
   return PLACIDO_OK;

@@ -6,10 +6,10 @@
 #include "drivers/v4l2/convert.h"
 #include "drivers/v4l2/request.h"
 
+#include <placido/device.h>
 #include <placido/notes.h>
 #include <placido/status.h>
 
-#define PLACIDO_V4L2_RATES_MAX 32
 /* A picture of more bytes is a driver's error. */
 #define PLACIDO_V4L2_PICTURE_MAX_BYTES ((size_t)1 << 30)
 
@@ -21,7 +21,7 @@ typedef struct placido_v4l2_offer {
   int width_min_px, width_max_px, width_step_px; /* the same, step 0, where the size is fixed */
   int height_min_px, height_max_px, height_step_px;
   int rate_count;
-  double rates_hz[PLACIDO_V4L2_RATES_MAX]; /* of the largest size, as listed */
+  double rates_hz[PLACIDO_RATES_MAX]; /* of the largest size, as listed */
   bool any_rate; /* everything between the two rates; else just those listed */
 } placido_v4l2_offer;
 
@@ -46,14 +46,5 @@ typedef struct placido_v4l2_mode {
 int placido_v4l2_mode_set(placido_v4l2_mode *mode, const placido_v4l2_camera *camera,
                           const placido_v4l2_request *request, placido_notes *notes,
                           placido_error *err);
-
-/* The lowest and highest rate of a mode; NaN where none can be set. */
-void placido_v4l2_rate_range(double rates_hz[2], const placido_v4l2_camera *camera,
-                             const placido_v4l2_mode *mode);
-
-/* The rate that the camera is set to, NaN where it does not tell; and a new one, after which it is
- * asked again. Setting returns 0 or errno. */
-double placido_v4l2_rate(const placido_v4l2_camera *camera);
-int placido_v4l2_rate_set(const placido_v4l2_camera *camera, double rate_hz);
 
 #endif

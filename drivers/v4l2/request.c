@@ -6,7 +6,6 @@
 #include <string.h>
 
 #define BUFFERS_USUAL 4
-#define RATE_MAX_HZ 10000
 
 const char *const placido_v4l2_options[] = {"size", "format", "fps", "buffers", NULL};
 
@@ -48,10 +47,11 @@ static int read_format(placido_v4l2_request *request, const char *value, placido
 static int read_rate(placido_v4l2_request *request, const char *value, placido_error *err) {
   char *end;
   request->rate_hz = strtod(value, &end);
-  if (end == value || *end || !(request->rate_hz > 0 && request->rate_hz <= RATE_MAX_HZ)) {
+  if (end == value || *end ||
+      !(request->rate_hz > 0 && request->rate_hz <= PLACIDO_V4L2_RATE_MAX_HZ)) {
     return placido_error_set(err, PLACIDO_INPUT,
                              "fps=%s is not a number of frames per second up to %d", value,
-                             RATE_MAX_HZ);
+                             PLACIDO_V4L2_RATE_MAX_HZ);
   }
   return PLACIDO_OK;
 }

@@ -8,6 +8,8 @@
 
 /* Sides of more pixels than this are a driver's error, not a camera. */
 #define PLACIDO_V4L2_SIDE_MAX_PX 16384
+/* No camera is faster. */
+#define PLACIDO_V4L2_RATE_MAX_HZ 10000
 /* What the kernel gives at most. */
 #define PLACIDO_V4L2_BUFFERS_MAX 32
 
@@ -15,7 +17,7 @@ typedef struct placido_v4l2_request {
   int width_px, height_px;           /* 0: the largest that is listed; as the camera is set
                                       * where it lists a range */
   const placido_v4l2_format *format; /* NULL: the best for mires */
-  double rate_hz;                    /* 0: as the camera is set */
+  double rate_hz;                    /* 0: the fastest of the size */
   int buffers;                       /* 2 to 32 */
 } placido_v4l2_request;
 

@@ -36,12 +36,12 @@ typedef struct placido_v4l2_stream {
 } placido_v4l2_stream;
 
 /* `camera` and `mode` must stay where they are until the stop. On failure nothing is held. Returns
- * PLACIDO_OK, PLACIDO_SYSTEM, PLACIDO_UNSUPPORTED, PLACIDO_MEMORY. */
+ * PLACIDO_OK, PLACIDO_GONE, PLACIDO_SYSTEM, PLACIDO_UNSUPPORTED, PLACIDO_MEMORY. */
 int placido_v4l2_stream_start(placido_v4l2_stream *stream, const placido_v4l2_camera *camera,
                               const placido_v4l2_mode *mode, int buffers, placido_error *err);
 
 /* The next picture. A queue that fails is started anew, up to three times in a row. Returns
- * PLACIDO_OK, PLACIDO_TIMEOUT, PLACIDO_SYSTEM (the camera is gone or does not recover),
+ * PLACIDO_OK, PLACIDO_TIMEOUT, PLACIDO_GONE (unplugged), PLACIDO_SYSTEM (it does not recover),
  * PLACIDO_INPUT (a compressed picture that is damaged; counted as corrupt), PLACIDO_MEMORY. */
 int placido_v4l2_stream_next(placido_v4l2_stream *stream, placido_frame *frame, int timeout_ms,
                              placido_error *err);

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "drivers/v4l2/control.h"
+#include "drivers/v4l2/rate.h"
 #include "drivers/v4l2/stream.h"
 
 #include <math.h>
@@ -15,7 +16,8 @@ typedef struct v4l2 {
   char address[1024]; /* without the query */
   const placido_v4l2_calls *calls;
   placido_v4l2_request request;
-  placido_v4l2_camera camera;
+  placido_v4l2_camera camera, known; /* as it is; as it was opened */
+  bool has_twin;                     /* one with the same serial number */
   placido_v4l2_mode mode;
   placido_v4l2_stream stream;
   placido_v4l2_controls controls;
@@ -72,6 +74,8 @@ int placido_v4l2_open(void **pointer, const char *address, const placido_v4l2_ca
     status = placido_v4l2_camera_open(&state->camera, state->address, calls, err);
   }
   if (!status) {
+    state->known = state->camera;
+    state->has_twin = placido_v4l2_camera_has_twin(&state->camera);
     status = placido_v4l2_mode_set(&state->mode, &state->camera, &state->request, notes, err);
   }
   if (status) {
@@ -127,23 +131,35 @@ static void let_go(v4l2 *state) {
   state->is_lost = true;
 }
 
-/* A path may lead to another camera after a replug. */
-static bool is_same(const v4l2 *state) {
-  return strcmp(state->info.serial, state->camera.serial) == 0 &&
-         strcmp(state->info.model, state->camera.card) == 0;
+/* Sets the mode anew. Whoever takes pictures counts on their size: a camera that came back on a
+ * slower bus may not have it any longer. */
+static int set_mode_again(v4l2 *state, placido_error *err) {
+  const placido_v4l2_mode before = state->mode;
+  placido_v4l2_mode *now = &state->mode;
+  int status = placido_v4l2_mode_set(now, &state->camera, &state->request, NULL, err);
+  if (!status && (now->width_px != before.width_px || now->height_px != before.height_px ||
+                  now->format != before.format)) {
+    status = placido_error_set(err, PLACIDO_SYSTEM,
+                               "the camera %s came back with %d x %d pixels of %s, not %d x %d of "
+                               "%s",
+                               state->camera.card, now->width_px, now->height_px,
+                               now->format->name, before.width_px, before.height_px,
+                               before.format->name);
+  }
+  if (status) {
+    state->mode = before;
+  }
+  return status;
 }
 
 /* Finds a lost camera again and makes it what it was. */
 static int find_again(v4l2 *state, placido_error *err) {
-  int status = placido_v4l2_camera_open(&state->camera, state->address, state->calls, err);
-  if (!status && !is_same(state)) {
-    status = placido_error_set(err, PLACIDO_SYSTEM,
-                               "%s is the camera %s now, not %s: open it anew", state->info.uri,
-                               state->camera.card, state->info.model);
+  int status = placido_v4l2_camera_find(&state->camera, &state->known, state->address,
+                                        state->has_twin, err);
+  if (status) {
+    return status;
   }
-  if (!status) {
-    status = placido_v4l2_mode_set(&state->mode, &state->camera, &state->request, NULL, err);
-  }
+  status = set_mode_again(state, err);
   for (size_t i = 0; !status && i < state->controls.count; i++) {
     if (!isnan(state->wanted[i])) {
       status = placido_v4l2_control_set(&state->controls, &state->camera, i, state->wanted[i],
@@ -165,7 +181,7 @@ static int v4l2_start(void *pointer, placido_error *err) {
   }
   status = placido_v4l2_stream_start(&state->stream, &state->camera, &state->mode,
                                      state->request.buffers, err);
-  if (status && !placido_v4l2_camera_is_there(&state->camera)) {
+  if (status == PLACIDO_GONE) {
     let_go(state);
   }
   return status;
@@ -177,7 +193,7 @@ static int v4l2_next(void *pointer, placido_frame *frame, int timeout_ms, placid
     return placido_v4l2_camera_failed(&state->camera, "waiting for", 0, err);
   }
   const int status = placido_v4l2_stream_next(&state->stream, frame, timeout_ms, err);
-  if (status == PLACIDO_SYSTEM && !placido_v4l2_camera_is_there(&state->camera)) {
+  if (status == PLACIDO_GONE) {
     let_go(state);
   }
   return status;
@@ -228,17 +244,47 @@ static int scan_real(int (*found)(void *user, const char *uri, const char *descr
   return placido_v4l2_scan(&placido_v4l2_kernel, found, user, err);
 }
 
-int placido_v4l2_list(const char *address, const placido_v4l2_calls *calls,
-                      int (*each)(void *user, const placido_v4l2_offer *offer), void *user,
-                      placido_error *err) {
-  placido_v4l2_camera camera;
-  int status = placido_v4l2_camera_open(&camera, address, calls, err);
-  if (!status) {
-    status = placido_v4l2_offers(&camera, each, user);
-  }
-  placido_v4l2_camera_close(&camera);
-  return status;
+/* Who wants to hear of modes. */
+struct chooser {
+  int (*each)(void *user, const placido_device_mode *mode);
+  void *user;
+};
+
+static int tell_mode(void *user, const placido_v4l2_offer *offer) {
+  const struct chooser *chooser = user;
+  placido_device_mode mode = {
+      .is_readable = offer->format && placido_v4l2_is_readable(offer->format),
+      .width_min_px = offer->width_min_px,
+      .width_max_px = offer->width_max_px,
+      .width_step_px = offer->width_step_px,
+      .height_min_px = offer->height_min_px,
+      .height_max_px = offer->height_max_px,
+      .height_step_px = offer->height_step_px,
+      .rate_count = offer->rate_count,
+      .any_rate = offer->any_rate};
+  snprintf(mode.format, sizeof mode.format, "%s", offer->name);
+  memcpy(mode.rates_hz, offer->rates_hz, sizeof mode.rates_hz);
+  return chooser->each(chooser->user, &mode);
 }
+
+static int v4l2_modes(void *pointer, int (*each)(void *user, const placido_device_mode *mode),
+                      void *user, placido_error *err) {
+  const v4l2 *state = pointer;
+  struct chooser chooser = {.each = each, .user = user};
+  return placido_v4l2_camera_is_there(&state->camera)
+             ? placido_v4l2_offers(&state->camera, tell_mode, &chooser)
+             : placido_v4l2_camera_failed(&state->camera, "asking", 0, err);
+}
+
+static const placido_match matches[] = {
+    {.subsystem = "video4linux",
+     .usb_class = -1,
+     .usb_subclass = -1,
+     .only = "ENV{ID_V4L_CAPABILITIES}==\"*:capture:*\"",
+     .link = "video-$env{ID_SERIAL_SHORT}-$attr{index}",
+     .group = "video"},
+    {.subsystem = NULL},
+};
 
 const placido_driver placido_v4l2_driver = {
     .scheme = "v4l2",
@@ -251,6 +297,8 @@ const placido_driver placido_v4l2_driver = {
     .controls = v4l2_controls,
     .get = v4l2_get,
     .set = v4l2_set,
+    .modes = v4l2_modes,
+    .matches = matches,
     .start = v4l2_start,
     .next = v4l2_next,
     .stop = v4l2_stop,

@@ -4,7 +4,6 @@
 
 #include "drivers/driver.h"
 #include "drivers/v4l2/calls.h"
-#include "drivers/v4l2/mode.h"
 
 extern const placido_driver placido_v4l2_driver;
 
@@ -14,12 +13,6 @@ int placido_v4l2_open(void **state, const char *address, const placido_v4l2_call
 int placido_v4l2_scan(const placido_v4l2_calls *calls,
                       int (*found)(void *user, const char *uri, const char *description),
                       void *user, placido_error *err);
-
-/* Calls `each` for every format and size that the camera of an address offers, and stops with its
- * value where that is not 0. */
-int placido_v4l2_list(const char *address, const placido_v4l2_calls *calls,
-                      int (*each)(void *user, const placido_v4l2_offer *offer), void *user,
-                      placido_error *err);
 
 /* A DMA-BUF descriptor of one of the buffers of an open and started camera; see
  * placido_v4l2_stream_export. */

@@ -23,6 +23,8 @@ struct placido_device {
   struct scripted_frame frames[FRAMES_MAX];
   int count, next;
   bool started;
+  bool is_waiting; /* time-outs are those of an unplugged device */
+  uint64_t replugs;
 };
 
 const placido_device_info *placido_device_info_get(const placido_device *device) {
@@ -40,6 +42,15 @@ int placido_device_stop(placido_device *device, placido_error *err) {
   (void)err;
   device->started = false;
   return PLACIDO_OK;
+}
+
+bool placido_device_is_waiting(const placido_device *device) {
+  return device->is_waiting;
+}
+
+void placido_device_statistics_get(const placido_device *device,
+                                   placido_device_statistics *statistics) {
+  *statistics = (placido_device_statistics){.replugs = device->replugs};
 }
 
 /* Square rings: slopes along x or y, which is radial enough for a small picture. */
@@ -115,6 +126,35 @@ static void test_asked_for_is_taken(void **state) {
   int status;
   assert_int_equal(choose(&device, 2, &choice, NULL, &status, NULL), 60);
   assert_int_equal(choice.index, 2);
+}
+
+/* The device's own patience ends the wait; a camera that is there and silent is given up at once. */
+static void test_an_unplugged_device_is_waited_for(void **state) {
+  (void)state;
+  placido_device device = {.frames = {{40, 0, 0},
+                                      {0, 0, PLACIDO_TIMEOUT},
+                                      {0, 0, PLACIDO_TIMEOUT},
+                                      {90, 0, 0}},
+                           .count = 4,
+                           .is_waiting = true,
+                           .replugs = 2};
+  placido_choice choice;
+  placido_notes notes = {0};
+  placido_error err = {0};
+  int status;
+  assert_int_equal(choose(&device, -1, &choice, &notes, &status, NULL), 90);
+  assert_int_equal(status, PLACIDO_OK);
+  assert_int_equal(choice.frames, 2);
+  assert_int_equal(notes.count, 1);
+  assert_non_null(strstr(notes.lines[0], "was unplugged and came back, 2 times"));
+  placido_notes_clear(&notes);
+  device.is_waiting = false;
+  choose(&device, -1, &choice, NULL, &status, NULL);
+  assert_int_equal(status, PLACIDO_TIMEOUT);
+  device.is_waiting = true;
+  device.frames[2].status = PLACIDO_GONE;
+  assert_int_equal(choose(&device, -1, &choice, NULL, &status, &err), -1);
+  assert_int_equal(status, PLACIDO_GONE);
 }
 
 /* Frames beyond the end and undecodable ones: told with the number of what is there. */
@@ -202,6 +242,7 @@ int main(void) {
       cmocka_unit_test(test_best_wins),
       cmocka_unit_test(test_first_of_equals_wins),
       cmocka_unit_test(test_asked_for_is_taken),
+      cmocka_unit_test(test_an_unplugged_device_is_waited_for),
       cmocka_unit_test(test_asked_for_is_not_there),
       cmocka_unit_test(test_damaged_loses),
       cmocka_unit_test(test_only_damaged_is_taken_and_told),
