@@ -1,13 +1,13 @@
 /* The topographer's geometry as a file: reading with every value checked, and writing. */
 #include <placido/instrument.h>
 
+#include "base/instrument_json.h"
 #include "base/json.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define FORMAT "placido-instrument/1"
 #define SIDE_MAX_PX 65536
 /* A kilometre, and pixels in the same proportion: nothing real comes near, and products of such
  * numbers stay far from overflow. */
@@ -194,8 +194,8 @@ static int read_mires(placido_instrument *instrument, const placido_json *json,
 }
 
 static void warn_unknown(const placido_json *json, placido_notes *notes) {
-  static const char *const root[] = {"format", "name",       "camera", "mires",
-                                     "sigma",  "calibrated", NULL};
+  static const char *const root[] = {"format", "name",       "camera",     "mires",
+                                     "sigma",  "covariance", "calibrated", NULL};
   static const char *const camera[] = {"model",        "image_size_px", "focal_px", "px_per_mm",
                                        "principal_px", "distortion",    "position_mm", NULL};
   static const char *const mires[] = {"first_band", "edges", NULL};
@@ -208,7 +208,7 @@ int placido_instrument_load(placido_instrument *instrument, const char *path,
                             placido_notes *notes, placido_error *err) {
   *instrument = (placido_instrument){0};
   placido_json *json;
-  int status = placido_json_load(&json, path, FORMAT, err);
+  int status = placido_json_load(&json, path, PLACIDO_INSTRUMENT_FORMAT, err);
   if (status) {
     return status;
   }
@@ -231,8 +231,7 @@ int placido_instrument_load(placido_instrument *instrument, const char *path,
   return status;
 }
 
-/* A new array of numbers, NULL when memory is out. */
-static json_t *numbers(const double *values, int count) {
+json_t *placido_json_array(const double *values, int count) {
   json_t *array = json_array();
   for (int i = 0; array && i < count; i++) {
     if (json_array_append_new(array, placido_json_real(values[i])) != 0) {
@@ -248,10 +247,11 @@ static json_t *camera_object(const placido_instrument *instrument) {
   return json_pack("{s:s, s:[i,i], s:o, s:o, s:o, s:o}",
                    "model", telecentric ? "telecentric" : "pinhole",
                    "image_size_px", instrument->width_px, instrument->height_px,
-                   telecentric ? "px_per_mm" : "focal_px", numbers(instrument->focal_px, 2),
-                   "principal_px", numbers(instrument->principal_px, 2),
-                   "distortion", numbers(instrument->distortion, 5),
-                   "position_mm", numbers(instrument->position_mm, 3));
+                   telecentric ? "px_per_mm" : "focal_px",
+                   placido_json_array(instrument->focal_px, 2),
+                   "principal_px", placido_json_array(instrument->principal_px, 2),
+                   "distortion", placido_json_array(instrument->distortion, 5),
+                   "position_mm", placido_json_array(instrument->position_mm, 3));
 }
 
 static json_t *edges_array(const placido_instrument *instrument) {
@@ -268,10 +268,9 @@ static json_t *edges_array(const placido_instrument *instrument) {
   return array;
 }
 
-int placido_instrument_save(const placido_instrument *instrument, const char *path,
-                            placido_error *err) {
+json_t *placido_instrument_json(const placido_instrument *instrument, placido_error *err) {
   json_t *root = json_pack("{s:s, s:s, s:o, s:{s:s, s:o}, s:b}",
-                           "format", FORMAT,
+                           "format", PLACIDO_INSTRUMENT_FORMAT,
                            "name", instrument->name,
                            "camera", camera_object(instrument),
                            "mires",
@@ -279,8 +278,17 @@ int placido_instrument_save(const placido_instrument *instrument, const char *pa
                            "edges", edges_array(instrument),
                            "calibrated", (int)instrument->calibrated);
   if (!root) {
-    return placido_error_set(err, PLACIDO_MEMORY, "cannot put instrument %.100s into JSON",
-                             instrument->name);
+    placido_error_set(err, PLACIDO_MEMORY, "cannot put instrument %.100s into JSON",
+                      instrument->name);
+  }
+  return root;
+}
+
+int placido_instrument_save(const placido_instrument *instrument, const char *path,
+                            placido_error *err) {
+  json_t *root = placido_instrument_json(instrument, err);
+  if (!root) {
+    return PLACIDO_MEMORY;
   }
   int status = placido_json_save(root, path, err);
   json_decref(root);

@@ -9,7 +9,11 @@
 typedef struct placido_match {
   const char *subsystem;        /* "usb", "video4linux", "gpio" */
   int usb_class, usb_subclass;  /* of an interface; -1: any */
-  const char *link;             /* udev's name for /dev/placido/: "camera-$attr{serial}" */
+  const char *only;             /* a further condition in udev's words; NULL: none */
+  const char *link;             /* udev's name for /dev/placido/: "camera-$env{ID_SERIAL_SHORT}";
+                                 * made where all that stands behind a $ is known, and unique by
+                                 * that. Not $attr of text that a device sends: it is not
+                                 * cleaned */
   const char *group;            /* who may open it beside the one at the seat; NULL: nobody */
 } placido_match;
 
@@ -41,6 +45,11 @@ typedef struct placido_driver {
   /* `control` counts in the order of `controls`; the value has been checked against its range. */
   int (*get)(void *state, size_t control, double *value, placido_error *err);
   int (*set)(void *state, size_t control, double value, placido_error *err);
+
+  /* Calls `each` for every format and size, and stops with its value where that is not 0. Never
+   * changes the device; may be called while started. NULL: there is nothing to choose from. */
+  int (*modes)(void *state, int (*each)(void *user, const placido_device_mode *mode), void *user,
+               placido_error *err);
 
   /* How udev tells such devices, ended by a row without subsystem. NULL: they are no devices of
    * the kernel's. */

@@ -51,7 +51,13 @@ typedef struct placido_gadget_function {
 
   /* Lets time pass until now_ns (monotonic); returns when it wants to be called next. */
   int64_t (*tick)(void *state, int64_t now_ns);
+
+  /* Whether the device unplugs itself now, to come back as after power-up: told once. NULL: it
+   * never does. */
+  int (*resets)(void *state);
 } placido_gadget_function;
+
+#define PLACIDO_GADGET_INTERFACES 8 /* at most, of a device */
 
 /* A device: a function, its state, and what the core keeps for it. Plain; zero but for the first
  * two and speed. */
@@ -61,12 +67,14 @@ typedef struct placido_gadget {
   enum placido_gadget_speed speed;
   uint8_t configuration;
   uint32_t halted_in, halted_out; /* a bit an endpoint number */
+  uint8_t alternates[PLACIDO_GADGET_INTERFACES]; /* setting chosen for each interface */
 } placido_gadget;
 
 /* One transfer, with everything the core itself answers (standard requests, halts). For a control
  * transfer endpoint is 0 and `setup` given; else `setup` is NULL and the address has bit 7 for IN.
  * `bytes` has `*size` bytes sent by the host, or room for as many; then `*size` is what was taken
- * or given. */
+ * or given. An endpoint that answers a transfer with a stall is halted until the host clears it.
+ */
 enum placido_gadget_answer placido_gadget_transfer(placido_gadget *gadget, uint8_t endpoint,
                                                    const placido_gadget_setup *setup,
                                                    uint8_t *bytes, size_t *size);

@@ -165,6 +165,32 @@ static void controls_are_data(void **state) {
   free(path);
 }
 
+static int count_mode(void *user, const placido_device_mode *mode) {
+  (void)mode;
+  ++*(int *)user;
+  return 0;
+}
+
+/* A file has neither formats to choose from nor events, and is never unplugged; patience is every
+ * device's setting all the same. */
+static void what_a_device_has_not_is_told(void **state) {
+  char *path = make_image(state, "a.png"), *uri = uri_of("replay:", path, "?replug_s=10");
+  placido_device *device = open_device(uri);
+  placido_event event;
+  placido_device_statistics counts;
+  int modes = 0;
+  assert_int_equal(placido_device_modes(device, count_mode, &modes, NULL), PLACIDO_UNSUPPORTED);
+  assert_int_equal(modes, 0);
+  assert_int_equal(placido_device_start(device, NULL), PLACIDO_OK);
+  assert_int_equal(placido_device_event(device, &event, 0, NULL), PLACIDO_UNSUPPORTED);
+  assert_false(placido_device_is_waiting(device));
+  placido_device_statistics_get(device, &counts);
+  assert_int_equal(counts.replugs, 0);
+  placido_device_close(device);
+  free(path);
+  free(uri);
+}
+
 static int count_found(void *user, const char *uri, const char *description) {
   (void)uri;
   (void)description;
@@ -217,6 +243,7 @@ int main(void) {
       TEST(what_cannot_be_opened_is_named),
       TEST(calls_out_of_order_are_refused),
       TEST(controls_are_data),
+      TEST(what_a_device_has_not_is_told),
       TEST(drivers_are_listed_and_replay_has_nothing_to_look_for),
       TEST(every_allocation_may_fail),
   };

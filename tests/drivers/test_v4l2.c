@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 static const placido_driver *const driver = &placido_v4l2_driver;
 
@@ -164,7 +165,7 @@ static void controls_have_units_and_ranges(void **state) {
       {"trigger_software", "", 0, 1, 0, 1, 0},
       {"lines", "", 0, 4294967295.0, 0, 4294967295.0, 4294967295.0},
       {"lines_2", "", 0, 7, 1, 2, 2},
-      {"frame_rate_hz", "Hz", 30, 60, 30, 60, 60},
+      {"frame_rate_hz", "Hz", 30, 60, 60, 30, 30},
   };
   void *camera = open_camera("/dev/video0", NULL);
   size_t count;
@@ -287,13 +288,13 @@ static void cameras_are_found_by_serial_and_bus(void **state) {
   free(root);
 }
 
-static int add_offer(void *user, const placido_v4l2_offer *offer) {
+static int add_mode(void *user, const placido_device_mode *mode) {
   char *text = user;
   const size_t length = strlen(text);
-  snprintf(text + length, 300 - length, "%s%s %dx%d %g/s..%d;", offer->name,
-           offer->format ? "" : "?", offer->width_max_px, offer->height_max_px,
-           offer->rates_hz[0], offer->rate_count);
-  return PLACIDO_OK;
+  snprintf(text + length, 300 - length, "%s%s %dx%d %g/s..%d;", mode->format,
+           mode->is_readable ? "" : "?", mode->width_max_px, mode->height_max_px,
+           mode->rates_hz[0], mode->rate_count);
+  return strstr(mode->format, "NV12") ? 7 : PLACIDO_OK;
 }
 
 static void what_a_camera_offers_is_listed(void **state) {
@@ -302,10 +303,72 @@ static void what_a_camera_offers_is_listed(void **state) {
   fake.offers[2] = (struct fake_offer){V4L2_PIX_FMT_YUYV, 32, 16, {5}};
   fake.offers[3] = (struct fake_offer){v4l2_fourcc('H', '2', '6', '4'), 64, 32, {30}};
   char text[300] = "";
-  assert_int_equal(placido_v4l2_list("/dev/video0", &fake_calls, add_offer, text, NULL),
-                   PLACIDO_OK);
+  void *camera = start_camera("/dev/video0"); /* also while pictures flow */
+  assert_int_equal(driver->modes(camera, add_mode, text, NULL), PLACIDO_OK);
   assert_string_equal(
       text, "GREY 8x4 60/s..2;YUYV 16x8 5/s..1;YUYV 32x16 5/s..1;H264? 64x32 30/s..1;");
+  fake.offers[1].fourcc = V4L2_PIX_FMT_NV12;
+  assert_int_equal(driver->modes(camera, add_mode, text, NULL), 7);
+  fake_unplug();
+  placido_error err = {0};
+  assert_int_equal(driver->modes(camera, add_mode, text, &err), PLACIDO_GONE);
+  assert_says(&err, "unplugged");
+  stop_camera(camera);
+}
+
+/* Whoever used the camera last may have left it slow. */
+static void the_fastest_rate_is_taken_where_none_is_asked(void **state) {
+  (void)state;
+  static const struct {
+    const char *address;
+    uint32_t rate;
+  } cases[] = {{"/dev/video0", 60}, {"/dev/video0?fps=30", 30}, {"/dev/video0?size=8x4", 60}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    fake.rate = i % 2 ? 60 : 30;
+    driver->close(open_camera(cases[i].address, NULL));
+    assert_int_equal(fake.rate, cases[i].rate);
+  }
+  fake.offers[0].rates[0] = 0; /* it lists none: it is left as it is */
+  fake.rate = 30;
+  driver->close(open_camera("/dev/video0", NULL));
+  assert_int_equal(fake.rate, 30);
+  fake.offers[0].rates[0] = 4000000000u; /* no camera */
+  driver->close(open_camera("/dev/video0", NULL));
+  assert_int_equal(fake.rate, 30);
+}
+
+/* udev's links to a camera's node, which follow it wherever it is plugged in. */
+static void links_lead_to_the_camera(void **state) {
+  reset(state);
+  char *root = make_tree(state);
+  root[strlen(root) - 1] = '\0';
+  placido_v4l2_calls calls = fake_calls;
+  calls.root = root;
+  static const char *const directories[] = {"dev", "dev/v4l", "dev/v4l/by-id", "dev/v4l/by-path"};
+  for (size_t i = 0; i < sizeof directories / sizeof *directories; i++) {
+    char *path = scratch_path(state, directories[i]);
+    assert_int_equal(mkdir(path, 0700), 0);
+    free(path);
+  }
+  static const char *const names[] = {"dev/v4l/by-id/usb-Maker_Fake_camera_A-video-index0",
+                                      "dev/v4l/by-path/pci-0000:00:14.0-usb-0:1:1.0-video-index0"};
+  free(scratch_write_text(state, "dev/video0", ""));
+  for (size_t i = 0; i < 2; i++) {
+    char *path = scratch_path(state, names[i]), address[200];
+    assert_int_equal(symlink("../../video0", path), 0);
+    snprintf(address, sizeof address, "/%s?fps=30", names[i]);
+    void *camera;
+    assert_int_equal(placido_v4l2_open(&camera, address, &calls, NULL, NULL), PLACIDO_OK);
+    const placido_device_info *info = driver->info(camera);
+    assert_string_equal(info->serial, "A B-7"); /* of video0: the link was followed */
+    assert_non_null(strstr(info->uri, names[i])); /* and is what it is called by */
+    driver->close(camera);
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(placido_v4l2_open(&camera, address, &calls, NULL, NULL), PLACIDO_SYSTEM);
+    free(path);
+  }
+  assert_int_equal(fake.open_count, 0);
+  free(root);
 }
 
 int main(void) {
@@ -321,7 +384,9 @@ int main(void) {
       TEST(settings_reach_the_driver),
       cmocka_unit_test_setup_teardown(cameras_are_found_by_serial_and_bus, scratch_setup,
                                       scratch_teardown),
+      cmocka_unit_test_setup_teardown(links_lead_to_the_camera, scratch_setup, scratch_teardown),
       TEST(what_a_camera_offers_is_listed),
+      TEST(the_fastest_rate_is_taken_where_none_is_asked),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

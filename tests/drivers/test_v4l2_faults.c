@@ -114,7 +114,7 @@ static void every_event_may_be_the_unplugging(void **state) {
         fake_next((struct fake_event){0});
       }
       fake_next((struct fake_event){.is_unplug = true});
-      assert_int_equal(run_a_day(), PLACIDO_SYSTEM);
+      assert_int_equal(run_a_day(), PLACIDO_GONE);
     }
   }
 }

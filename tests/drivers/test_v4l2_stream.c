@@ -234,16 +234,16 @@ static void an_unplugged_camera_is_found_again(void **state) {
   placido_frame frame = {0};
   placido_error err = {0};
   take(camera, &frame);
-  assert_int_equal(driver->next(camera, &frame, 100, &err), PLACIDO_SYSTEM);
+  assert_int_equal(driver->next(camera, &frame, 100, &err), PLACIDO_GONE);
   assert_says(&err, "Fake camera");
   assert_says(&err, "unplugged");
   assert_int_equal(fake.open_count + fake.mapped_count, 0); /* the kernel can forget the node */
-  assert_int_equal(driver->next(camera, &frame, 100, &err), PLACIDO_SYSTEM);
+  assert_int_equal(driver->next(camera, &frame, 100, &err), PLACIDO_GONE);
   double value;
   assert_int_equal(driver->get(camera, control_index(camera, "gain"), &value, NULL),
-                   PLACIDO_SYSTEM);
+                   PLACIDO_GONE);
   assert_int_equal(driver->stop(camera, NULL), PLACIDO_OK);
-  assert_int_equal(driver->start(camera, &err), PLACIDO_SYSTEM); /* not yet */
+  assert_int_equal(driver->start(camera, &err), PLACIDO_GONE); /* not yet */
 
   fake_replug();
   have_controls(); /* as after power on */
@@ -262,11 +262,11 @@ static void another_camera_in_its_place_is_not_taken(void **state) {
   void *camera = start_camera("/dev/video0");
   placido_frame frame = {0};
   placido_error err = {0};
-  assert_int_equal(driver->next(camera, &frame, 100, NULL), PLACIDO_SYSTEM);
+  assert_int_equal(driver->next(camera, &frame, 100, NULL), PLACIDO_GONE);
   assert_int_equal(driver->stop(camera, NULL), PLACIDO_OK);
   fake_replug();
   fake.card = "Other camera";
-  assert_int_equal(driver->start(camera, &err), PLACIDO_SYSTEM);
+  assert_int_equal(driver->start(camera, &err), PLACIDO_GONE);
   assert_says(&err, "is the camera Other camera now");
   placido_frame_free(&frame);
   driver->close(camera);
