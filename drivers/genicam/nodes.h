@@ -20,7 +20,7 @@
 #define PLACIDO_GENICAM_CHILDREN_MAX 65536u /* of one node */
 #define PLACIDO_GENICAM_DEPTH_MAX 64        /* of nodes that refer to nodes */
 #define PLACIDO_GENICAM_NESTING_MAX 1024    /* of brackets, in all formulas under way */
-#define PLACIDO_GENICAM_STEPS_MAX 100000    /* of work for one call from outside */
+#define PLACIDO_GENICAM_STEPS_MAX 1000000   /* of work for one call from outside */
 #define PLACIDO_GENICAM_STRING_MAX_BYTES ((size_t)64 << 10) /* of a string register */
 
 enum kind {

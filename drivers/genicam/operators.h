@@ -7,11 +7,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* How tightly `-x`, `+x` and `~x` hold: tighter than any operator between two numbers. */
+/* An operator between two numbers. The signs -x, +x and ~x hold tighter than any of them. */
 struct operator_row {
   const char *text;
-  int precedence;      /* the higher, the tighter */
-  bool is_from_right;  /* a ** b ** c is a ** (b ** c) */
+  int precedence;     /* the higher, the tighter */
+  bool is_from_right; /* a ** b ** c is a ** (b ** c) */
   enum { LAZY_NO, LAZY_AND, LAZY_OR } lazy; /* the right side may not matter */
   /* Of 64-bit integers, which wrap around. Returns NULL, or why there is no result. */
   const char *(*whole)(int64_t a, int64_t b, int64_t *result);

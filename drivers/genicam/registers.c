@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PORT_STEPS 16 /* of work, which an access to the camera counts as */
+#define PORT_STEPS 100 /* of work, which an access to the camera counts as */
 
 struct place {
   uint64_t address;

@@ -14,6 +14,8 @@
 #define FAILURES_MAX 3
 /* A suspension shorter than this is the two clocks being read one after the other. */
 #define ASLEEP_MIN_NS 100000000
+/* Silence behind a damaged picture that means a halt; cameras slower than this are none of ours. */
+#define HALT_MIN_NS 1000000000
 
 /* A buffer as the kernel wants it: with its only plane where the camera is multiplanar. */
 struct ticket {
@@ -325,6 +327,18 @@ static int make_frame(placido_v4l2_stream *stream, placido_frame *frame,
   return PLACIDO_OK;
 }
 
+/* Whether a damaged picture was followed by silence: uvcvideo gives nothing more after a stalled
+ * endpoint until the queue is started anew. */
+static bool has_halted(placido_v4l2_stream *stream) {
+  const bool halted =
+      stream->mend_at_ns > 0 && stream->camera->calls->clock_ns() >= stream->mend_at_ns;
+  if (halted) {
+    stream->mend_at_ns = 0;
+    stream->is_broken = true;
+  }
+  return halted;
+}
+
 /* What a time-out means: that the camera is gone, that the computer slept, or just that. */
 static int timed_out(placido_v4l2_stream *stream, int timeout_ms, placido_error *err) {
   if (!placido_v4l2_camera_is_there(stream->camera)) {
@@ -342,7 +356,12 @@ int placido_v4l2_stream_next(placido_v4l2_stream *stream, placido_frame *frame, 
   int code;
   do {
     code = stream->is_broken ? restart(stream) : 0;
-    code = code ? code : take(stream, &picture, deadline_ns);
+    const int64_t mend_at_ns = stream->mend_at_ns;
+    const bool may_mend = mend_at_ns > 0 && mend_at_ns < deadline_ns;
+    code = code ? code : take(stream, &picture, may_mend ? mend_at_ns : deadline_ns);
+    if (code == ETIMEDOUT && has_halted(stream)) {
+      continue;
+    }
     if (code == ETIMEDOUT) {
       return timed_out(stream, timeout_ms, err);
     }
@@ -353,6 +372,8 @@ int placido_v4l2_stream_next(placido_v4l2_stream *stream, placido_frame *frame, 
   if (code) {
     return placido_v4l2_camera_failed(stream->camera, "taking a picture from", code, err);
   }
+  stream->mend_at_ns =
+      picture.is_bad ? stream->camera->calls->clock_ns() + HALT_MIN_NS : 0;
   const int status = make_frame(stream, frame, &picture, err);
   if (picture.index >= 0 && queue_buffer(stream, picture.index)) {
     stream->is_broken = true; /* this frame is whole; the next call mends the queue */

@@ -32,6 +32,7 @@ typedef struct placido_v4l2_stream {
   uint32_t kernel_seq;  /* its last */
   uint64_t next_seq;
   int64_t asleep_ns;    /* at the last look */
+  int64_t mend_at_ns;   /* a damaged picture was the last one: when silence means a halt; 0: not */
   placido_device_statistics statistics;
 } placido_v4l2_stream;
 

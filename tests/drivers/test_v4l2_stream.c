@@ -286,6 +286,27 @@ static void buffers_are_shared_where_offered(void **state) {
   stop_camera(camera);
 }
 
+/* As uvcvideo does after a stalled endpoint: a damaged picture or two, then nothing for ever. */
+static void silence_behind_a_damaged_picture_starts_the_queue_anew(void **state) {
+  (void)state;
+  void *camera = start_camera("/dev/video0");
+  placido_frame frame = {0};
+  take(camera, &frame);
+  fake_next((struct fake_event){.flags = V4L2_BUF_FLAG_ERROR});
+  fake_next((struct fake_event){.is_silent = true});
+  take(camera, &frame);
+  assert_int_equal(frame.flags, PLACIDO_FRAME_CORRUPT);
+  assert_int_equal(driver->next(camera, &frame, 5000, NULL), PLACIDO_OK);
+  assert_int_equal(frame.flags, 0);
+  assert_int_equal(counts_of(camera).restarts, 1);
+  /* Without damage before it, silence is a camera that waits for its trigger. */
+  fake_next((struct fake_event){.is_silent = true});
+  assert_int_equal(driver->next(camera, &frame, 5000, NULL), PLACIDO_TIMEOUT);
+  assert_int_equal(counts_of(camera).restarts, 1);
+  placido_frame_free(&frame);
+  stop_camera(camera);
+}
+
 int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, reset, nothing_is_left)
   const struct CMUnitTest tests[] = {
@@ -302,6 +323,7 @@ int main(void) {
       TEST(an_unplugged_camera_is_found_again),
       TEST(another_camera_in_its_place_is_not_taken),
       TEST(buffers_are_shared_where_offered),
+      TEST(silence_behind_a_damaged_picture_starts_the_queue_anew),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -139,7 +139,6 @@ static void pixel_formats_are_those_that_the_camera_has(void **state) {
   assert_says(&memory, "BayerRG8 of the camera's feature PixelFormat is not available");
   assert_int_equal(placido_genicam_set_text(features, "PixelFormat", "RGB8", &memory.err),
                    PLACIDO_INPUT);
-  assert_says(&memory, "no entry RGB8");
   assert_int_equal(placido_genicam_set_integer(features, "PixelFormat", 5, &memory.err),
                    PLACIDO_INPUT);
   assert_says(&memory, "no entry of the value 5");
@@ -241,7 +240,6 @@ static void commands_are_executed(void **state) {
                    PLACIDO_INPUT);
   assert_int_equal(placido_genicam_execute(features, "Width", &memory.err), PLACIDO_INPUT);
   assert_says(&memory, "Width is no command");
-  assert_int_equal(placido_genicam_execute(features, "Nothing", &memory.err), PLACIDO_INPUT);
   memory_close(&memory);
 }
 

@@ -239,7 +239,8 @@ static void circles_are_told(void **state) {
       INTEGER("A", "<pValue>B</pValue><pIsLocked>A3</pIsLocked>")
           INTEGER("B", "<pValue>A</pValue>") INTEGER("A3", "<Value>0</Value>"),
       "<IntReg Name=\"A\"><pAddress>A</pAddress><AccessMode>RW</AccessMode></IntReg>",
-      "<IntReg Name=\"A\"><Address>0</Address><pLength>A</pLength><AccessMode>RW</AccessMode></IntReg>",
+      "<IntReg Name=\"A\"><Address>0</Address><pLength>A</pLength><AccessMode>RW</AccessMode>"
+      "</IntReg>",
       "<SwissKnife Name=\"A\"><pVariable Name=\"X\">A</pVariable><Formula>X</Formula></SwissKnife>",
       "<Converter Name=\"A\"><pValue>A</pValue><FormulaTo>FROM</FormulaTo>"
       "<FormulaFrom>TO</FormulaFrom></Converter>",
