@@ -31,7 +31,9 @@ typedef struct request_row {
 static enum placido_gadget_answer give(uint8_t *bytes, size_t *size, const uint8_t *answer,
                                        size_t answer_size) {
   *size = answer_size < *size ? answer_size : *size;
-  memcpy(bytes, answer, *size);
+  if (*size > 0) {
+    memcpy(bytes, answer, *size);
+  }
   return PLACIDO_GADGET_DONE;
 }
 

@@ -1,14 +1,14 @@
-/* The loop of a simulated device: a socket, a clock, and whoever gives commands. */
+/* The loop of a simulated device: a socket, a clock, and whoever gives commands. Without waiting
+ * anywhere but in one poll. */
 #include "gadget/server.h"
 
 #include "base/memory.h"
+#include "gadget/introduction.h"
+#include "gadget/listen.h"
 #include "gadget/transfers.h"
 #include "gadget/vhci.h"
 
-#include <arpa/inet.h>
 #include <errno.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -19,7 +19,6 @@
 #define GREETING_NS 5000000000 /* for a client of TCP to say what it wants */
 #define POWER_UP_NS 1000000000 /* that a device which resets itself is away */
 #define SEND_BYTES (4 << 20)   /* of the socket: a few transfers, so that the loop seldom waits */
-#define INTERFACES_MAX 32
 
 /* What the bytes that come next are. */
 enum stage { GREETING, BUS_ID, REQUEST, DATA };
@@ -102,27 +101,6 @@ static int plug_in(placido_gadget_server *server, placido_error *err) {
   return PLACIDO_OK;
 }
 
-static int start_listening(placido_gadget_server *server, placido_error *err) {
-  const char *address = server->options.address ? server->options.address : "127.0.0.1";
-  struct sockaddr_in name = {.sin_family = AF_INET,
-                             .sin_port = htons((uint16_t)server->options.tcp_port)};
-  const int yes = 1;
-  if (inet_pton(AF_INET, address, &name.sin_addr) != 1) {
-    return placido_error_set(err, PLACIDO_INPUT, "\"%s\" is no IPv4 address", address);
-  }
-  server->listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (server->listener < 0) {
-    return system_error("a TCP socket", err);
-  }
-  if (setsockopt(server->listener, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) != 0 ||
-      bind(server->listener, (const struct sockaddr *)&name, sizeof name) != 0 ||
-      listen(server->listener, 4) != 0) {
-    return placido_error_set(err, PLACIDO_SYSTEM, "cannot listen on %s, TCP port %d: %s", address,
-                             server->options.tcp_port, strerror(errno));
-  }
-  return PLACIDO_OK;
-}
-
 int placido_gadget_server_open(placido_gadget_server **out,
                                const placido_gadget_server_options *options, placido_error *err) {
   *out = NULL;
@@ -132,8 +110,11 @@ int placido_gadget_server_open(placido_gadget_server **out,
   }
   server->options = *options;
   server->listener = server->vhci_port = server->wire.socket = -1;
+  const char *address = options->address ? options->address : "127.0.0.1";
   const int status =
-      options->is_local ? plug_in(server, err) : start_listening(server, err);
+      options->is_local
+          ? plug_in(server, err)
+          : placido_gadget_listen(&server->listener, address, options->tcp_port, err);
   if (status != PLACIDO_OK) {
     placido_gadget_server_close(server);
     return status;
@@ -155,13 +136,7 @@ void placido_gadget_server_close(placido_gadget_server *server) {
 }
 
 int placido_gadget_server_port(const placido_gadget_server *server) {
-  struct sockaddr_in name = {0};
-  socklen_t size = sizeof name;
-  if (server->listener < 0 ||
-      getsockname(server->listener, (struct sockaddr *)&name, &size) != 0) {
-    return 0;
-  }
-  return ntohs(name.sin_port);
+  return placido_gadget_listen_port(server->listener);
 }
 
 bool placido_gadget_server_is_attached(const placido_gadget_server *server) {
@@ -177,55 +152,17 @@ void placido_gadget_server_unplug(placido_gadget_server *server, int64_t away_ns
   server->back_ns = placido_gadget_now_ns() + away_ns;
 }
 
-/* The descriptors as USB/IP describes a device before it is attached. */
-static placido_usbip_description describe(placido_gadget *gadget) {
-  placido_usbip_description description = {.bus_id = PLACIDO_GADGET_BUS_ID,
-                                           .speed = gadget->speed};
-  const placido_gadget_function *function = gadget->function;
-  description.device = function->descriptor(gadget->state, 1, 0, &description.device_size);
-  description.configuration =
-      function->descriptor(gadget->state, 2, 0, &description.configuration_size);
-  return description;
-}
-
-/* Answers with the list (one device with its interfaces) or with the device that was asked for. */
-static int describe_to(placido_gadget_server *server, enum placido_usbip_greeting greeting,
-                       placido_error *err) {
-  const placido_usbip_description description = describe(server->options.gadget);
-  const bool is_list = greeting == PLACIDO_USBIP_LIST;
-  const size_t interfaces_max = INTERFACES_MAX * PLACIDO_USBIP_INTERFACE_BYTES;
-  uint8_t *answer = placido_gadget_wire_room(
-      &server->wire,
-      PLACIDO_USBIP_GREETING_BYTES + 4 + PLACIDO_USBIP_DEVICE_BYTES + interfaces_max, err);
-  if (!answer) {
-    return PLACIDO_MEMORY;
-  }
-  size_t size = PLACIDO_USBIP_GREETING_BYTES;
-  placido_usbip_reply_encode(answer, greeting, 0);
-  if (is_list) {
-    memcpy(answer + size, "\0\0\0\1", 4); /* one device */
-    size += 4;
-  }
-  const int status = placido_usbip_device_encode(answer + size, &description, err);
-  if (status != PLACIDO_OK) {
-    return status;
-  }
-  size += PLACIDO_USBIP_DEVICE_BYTES;
-  if (is_list) {
-    size += placido_usbip_interfaces_encode(answer + size, interfaces_max, &description);
-  }
-  placido_gadget_wire_send(&server->wire, size);
-  server->is_leaving = is_list;
-  return PLACIDO_OK;
-}
-
 /* Every `take_` handles one whole piece of what comes in, and says what is expected next. A status
  * of PLACIDO_INPUT ends the connection. */
 static int take_greeting(placido_gadget_server *server, placido_error *err) {
   enum placido_usbip_greeting greeting;
   const int status = placido_usbip_greeting_decode(&greeting, server->header, err);
-  if (status != PLACIDO_OK || greeting == PLACIDO_USBIP_LIST) {
-    return status == PLACIDO_OK ? describe_to(server, greeting, err) : status;
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  if (greeting == PLACIDO_USBIP_LIST) {
+    server->is_leaving = true;
+    return placido_gadget_introduce(&server->wire, server->options.gadget, greeting, err);
   }
   server->stage = BUS_ID;
   placido_gadget_wire_expect(&server->wire, server->header, PLACIDO_USBIP_BUS_ID_BYTES);
@@ -233,21 +170,14 @@ static int take_greeting(placido_gadget_server *server, placido_error *err) {
 }
 
 static int take_bus_id(placido_gadget_server *server, placido_error *err) {
-  static const char own[PLACIDO_USBIP_BUS_ID_BYTES] = PLACIDO_GADGET_BUS_ID;
-  if (memcmp(server->header, own, sizeof PLACIDO_GADGET_BUS_ID) != 0) {
-    uint8_t *answer =
-        placido_gadget_wire_room(&server->wire, PLACIDO_USBIP_GREETING_BYTES, err);
-    if (!answer) {
-      return PLACIDO_MEMORY;
-    }
-    placido_usbip_reply_encode(answer, PLACIDO_USBIP_IMPORT, 1);
-    placido_gadget_wire_send(&server->wire, PLACIDO_USBIP_GREETING_BYTES);
+  if (memcmp(server->header, PLACIDO_GADGET_BUS_ID, sizeof PLACIDO_GADGET_BUS_ID) != 0) {
     server->is_leaving = true;
-    return PLACIDO_OK;
+    return placido_gadget_turn_away(&server->wire, err);
   }
   server->stage = REQUEST;
   placido_gadget_wire_expect(&server->wire, server->header, PLACIDO_USBIP_HEADER_BYTES);
-  return describe_to(server, PLACIDO_USBIP_IMPORT, err);
+  return placido_gadget_introduce(&server->wire, server->options.gadget, PLACIDO_USBIP_IMPORT,
+                                  err);
 }
 
 static int take_unlink(placido_gadget_server *server, const placido_usbip_request *request,
@@ -328,15 +258,11 @@ static int receive(placido_gadget_server *server, placido_error *err) {
 }
 
 static void accept_client(placido_gadget_server *server, int64_t now_ns) {
-  const int client = accept(server->listener, NULL, NULL);
-  const int yes = 1;
-  if (client < 0) {
-    return; /* it went again: nothing is lost */
+  const int client = placido_gadget_listen_accept(server->listener);
+  if (client >= 0) {
+    take_socket(server, client, GREETING);
+    server->deadline_ns = now_ns + GREETING_NS;
   }
-  /* Without this an answer waits up to 40 ms for the acknowledgement of the one before. */
-  (void)setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-  take_socket(server, client, GREETING);
-  server->deadline_ns = now_ns + GREETING_NS;
 }
 
 /* The connection is over. A local kernel that lets go is the end; over TCP the next may come. */
@@ -352,11 +278,14 @@ static int end_connection(placido_gadget_server *server, int status, placido_err
   return is_local ? status : PLACIDO_OK;
 }
 
+static bool is_greeting(const placido_gadget_server *server) {
+  return server->wire.socket >= 0 && (server->stage == GREETING || server->stage == BUS_ID);
+}
+
 static int serve_wire(placido_gadget_server *server, short events, int64_t now_ns,
                       placido_error *err) {
   int status = PLACIDO_OK;
-  const bool is_greeting = server->stage == GREETING || server->stage == BUS_ID;
-  if (is_greeting && now_ns > server->deadline_ns) {
+  if (is_greeting(server) && now_ns >= server->deadline_ns) {
     status = PLACIDO_GONE;
   }
   if (status == PLACIDO_OK && events & POLLOUT) {
@@ -409,6 +338,9 @@ static int live(placido_gadget_server *server, int64_t now_ns, int64_t *due_ns,
   if (server->wire.socket < 0 && server->back_ns > now_ns) {
     *due_ns = sooner(*due_ns, server->back_ns);
   }
+  if (is_greeting(server)) {
+    *due_ns = sooner(*due_ns, server->deadline_ns);
+  }
   return status;
 }
 
@@ -431,6 +363,7 @@ int placido_gadget_server_turn(placido_gadget_server *server, int timeout_ms,
     return errno == EINTR ? PLACIDO_OK : system_error("poll", err);
   }
   now_ns = placido_gadget_now_ns();
+  (void)placido_gadget_tick(server->options.gadget, now_ns); /* commands find the time right */
   if (polled[LISTENER].revents) {
     accept_client(server, now_ns);
   }

@@ -4,19 +4,18 @@
 #define PLACIDO_GADGET_SERVER_H
 
 #include "gadget/function.h"
+#include "gadget/introduction.h"
 
 #include <placido/status.h>
 #include <stdbool.h>
 
 typedef struct placido_gadget_server placido_gadget_server;
 
-#define PLACIDO_GADGET_BUS_ID "1-1" /* what `usbip attach -b` asks for */
-
 typedef struct placido_gadget_server_options {
   placido_gadget *gadget; /* borrowed */
 
-  /* Either a TCP port to listen on, on all addresses of `address` (NULL: this machine alone), 0:
-   * any free one; or is_local: the kernel of this machine. */
+  /* The kernel of this machine; or a TCP port to listen on (0: any free one), at an IPv4 address
+   * (NULL: 127.0.0.1, for this machine alone). One host at a time. */
   bool is_local;
   int tcp_port;
   const char *address;
@@ -54,7 +53,7 @@ int placido_gadget_server_run(placido_gadget_server *server, int64_t until_ns, p
 void placido_gadget_server_stop(placido_gadget_server *server);
 
 /* Pulls the plug, and puts it in again after away_ns. Over TCP the other machine has to ask for the
- * device again, which is refused until then. */
+ * device again, and is not heard until then. */
 void placido_gadget_server_unplug(placido_gadget_server *server, int64_t away_ns);
 
 /* Monotonic time. */

@@ -77,7 +77,8 @@ static int answer_one(const placido_gadget_pending *pending, placido_gadget *gad
   if (!answer) {
     return PLACIDO_MEMORY;
   }
-  uint8_t *bytes = request->is_in ? answer + PLACIDO_USBIP_HEADER_BYTES : pending->bytes;
+  /* A transfer without data has an address all the same: functions copy without asking. */
+  uint8_t *bytes = pending->bytes ? pending->bytes : answer + PLACIDO_USBIP_HEADER_BYTES;
   const enum placido_gadget_answer how =
       placido_gadget_transfer(gadget, request->endpoint, setup, bytes, &size);
   if (how == PLACIDO_GADGET_LATER) {

@@ -55,9 +55,9 @@ enum placido_u3v_feature_register {
 };
 
 #define PLACIDO_U3V_TRIGGER_ON 1u
-#define PLACIDO_U3V_TRIGGER_LINE 2u    /* source: a line, on which nothing ever comes; else software */
-#define PLACIDO_U3V_SINGLE_FRAME 1u    /* acquisition mode */
-#define PLACIDO_U3V_READOUT_US 200.0   /* between two exposures */
+#define PLACIDO_U3V_TRIGGER_LINE 2u  /* by a line, on which nothing ever comes; else by software */
+#define PLACIDO_U3V_SINGLE_FRAME 1u  /* acquisition mode */
+#define PLACIDO_U3V_READOUT_US 200.0 /* between two exposures */
 #define PLACIDO_U3V_RATE_MAX_HZ 500.0
 
 /* Bytes at an address. */
@@ -86,7 +86,11 @@ typedef struct placido_u3v_picture {
   int64_t ready_ns;
 } placido_u3v_picture;
 
-enum placido_u3v_part { PLACIDO_U3V_PART_LEADER, PLACIDO_U3V_PART_PAYLOAD, PLACIDO_U3V_PART_TRAILER };
+enum placido_u3v_part {
+  PLACIDO_U3V_PART_LEADER,
+  PLACIDO_U3V_PART_PAYLOAD,
+  PLACIDO_U3V_PART_TRAILER,
+};
 
 typedef struct placido_u3v_camera {
   placido_gadget_view view;
@@ -137,6 +141,14 @@ uint16_t placido_u3v_registers_read(placido_u3v_camera *camera, uint64_t address
                                     size_t size);
 uint16_t placido_u3v_registers_write(placido_u3v_camera *camera, uint64_t address,
                                      const uint8_t *bytes, size_t size);
+bool placido_u3v_is_streaming(const placido_u3v_camera *camera);
+
+/* u3v_features.c: the registers behind PLACIDO_U3V_GADGET_FEATURES. */
+void placido_u3v_features_reset(placido_u3v_camera *camera);
+/* Brings those up to date that follow from others or from the time. */
+void placido_u3v_features_refresh(placido_u3v_camera *camera);
+uint16_t placido_u3v_features_write(placido_u3v_camera *camera, size_t at, const uint8_t *bytes,
+                                    size_t size);
 uint32_t placido_u3v_feature(const placido_u3v_camera *camera,
                              enum placido_u3v_feature_register at);
 double placido_u3v_exposure_us(const placido_u3v_camera *camera);
@@ -145,7 +157,6 @@ double placido_u3v_rate_hz(const placido_u3v_camera *camera);
 double placido_u3v_gain_db(const placido_u3v_camera *camera);
 const placido_pixel_format *placido_u3v_format(const placido_u3v_camera *camera);
 size_t placido_u3v_payload_bytes(const placido_u3v_camera *camera);
-bool placido_u3v_is_streaming(const placido_u3v_camera *camera);
 
 /* u3v_sensor.c: pictures are taken. */
 void placido_u3v_sensor_start(placido_u3v_camera *camera);

@@ -1,4 +1,5 @@
-/* The control channel of the simulated USB3 Vision camera: a command comes, an answer is fetched. */
+/* The control channel of the simulated USB3 Vision camera: a command comes, an answer is
+ * fetched. */
 #include "drivers/u3v/wire/gencp.h"
 #include "gadget/u3v_camera.h"
 

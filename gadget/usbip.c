@@ -45,8 +45,9 @@ static int decode_submit(placido_usbip_request *request, const uint8_t *bytes,
                              endpoint);
   }
   if (size > PLACIDO_USBIP_TRANSFER_BYTES_MAX) {
-    return placido_error_set(err, PLACIDO_INPUT, "USB/IP: a transfer of %u bytes, at most %u can be",
-                             size, PLACIDO_USBIP_TRANSFER_BYTES_MAX);
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "USB/IP: a transfer of %u bytes, at most %u can be", size,
+                             PLACIDO_USBIP_TRANSFER_BYTES_MAX);
   }
   if (packets != 0 && packets != NO_PACKETS) {
     return placido_error_set(err, PLACIDO_INPUT,
@@ -56,6 +57,10 @@ static int decode_submit(placido_usbip_request *request, const uint8_t *bytes,
   request->endpoint = (uint8_t)(endpoint | (request->is_in && endpoint > 0 ? 0x80u : 0u));
   request->size = size;
   request->setup = decode_setup(bytes + 40);
+  if (endpoint == 0 && size > 0 && request->is_in != (request->setup.request_type >> 7 == 1)) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "USB/IP: a control transfer whose data go the other way than it says");
+  }
   return PLACIDO_OK;
 }
 

@@ -28,8 +28,8 @@ typedef struct placido_usbip_request {
   uint32_t unlinked;          /* sequence number of the transfer that is taken back */
 } placido_usbip_request;
 
-/* PLACIDO_INPUT: a command that there is not, an endpoint or a size that no transfer has, or an
- * isochronous transfer. */
+/* PLACIDO_INPUT: a command that there is not, an endpoint, a size or a direction that no transfer
+ * has, or an isochronous transfer. */
 int placido_usbip_request_decode(placido_usbip_request *request,
                                  const uint8_t bytes[PLACIDO_USBIP_HEADER_BYTES],
                                  placido_error *err);

@@ -60,6 +60,39 @@ static int list_ports(port_list *list, const char *folder, const char *hub, int 
   return PLACIDO_OK;
 }
 
+static const char *hub_of(enum placido_gadget_speed speed) {
+  return speed == PLACIDO_GADGET_SUPER ? "ss" : "hs";
+}
+
+/* Opens the file that devices are plugged into; -1 with the error set. */
+static int open_attach(const char *folder, placido_error *err) {
+  char path[PLACIDO_PATH_MAX];
+  if (placido_path_join(path, folder, "attach", err) != PLACIDO_OK) {
+    return -1;
+  }
+  const int descriptor = open(path, O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) {
+    placido_error_set(err, PLACIDO_SYSTEM,
+                      "%s: %s (plugging in a simulated device needs root; or use --listen and "
+                      "\"usbip attach\")", path, strerror(errno));
+  }
+  return descriptor;
+}
+
+int placido_vhci_check(const char *folder, enum placido_gadget_speed speed, placido_error *err) {
+  port_list list = {.count = 0};
+  const int status = list_ports(&list, folder, hub_of(speed), -1, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  const int descriptor = open_attach(folder, err);
+  if (descriptor < 0) {
+    return PLACIDO_SYSTEM;
+  }
+  close(descriptor);
+  return PLACIDO_OK;
+}
+
 /* 0, or the errno. */
 static int write_line(int descriptor, const char *line) {
   const ssize_t written = write(descriptor, line, strlen(line));
@@ -69,20 +102,14 @@ static int write_line(int descriptor, const char *line) {
 int placido_vhci_attach(const char *folder, int *port, int socket,
                         enum placido_gadget_speed speed, placido_error *err) {
   port_list list = {.count = 0};
-  char path[PLACIDO_PATH_MAX], line[64];
-  int status =
-      list_ports(&list, folder, speed == PLACIDO_GADGET_SUPER ? "ss" : "hs", *port, err);
-  if (status == PLACIDO_OK) {
-    status = placido_path_join(path, folder, "attach", err);
-  }
+  char line[64];
+  const int status = list_ports(&list, folder, hub_of(speed), *port, err);
   if (status != PLACIDO_OK) {
     return status;
   }
-  const int descriptor = open(path, O_WRONLY | O_CLOEXEC);
+  const int descriptor = open_attach(folder, err);
   if (descriptor < 0) {
-    return placido_error_set(err, PLACIDO_SYSTEM,
-                             "%s: %s (plugging in a simulated device needs root; or use --listen "
-                             "and \"usbip attach\")", path, strerror(errno));
+    return PLACIDO_SYSTEM;
   }
   int error = EBUSY; /* another program may have taken the port meanwhile */
   for (int i = 0; i < list.count && error == EBUSY; i++) {
@@ -92,6 +119,7 @@ int placido_vhci_attach(const char *folder, int *port, int socket,
   }
   close(descriptor);
   return error == 0 ? PLACIDO_OK
-                    : placido_error_set(err, PLACIDO_SYSTEM, "%s: the kernel refused: %s", path,
+                    : placido_error_set(err, PLACIDO_SYSTEM,
+                                        "%s/attach: the kernel refused the device: %s", folder,
                                         strerror(error));
 }

@@ -8,6 +8,9 @@
 
 #define PLACIDO_VHCI_FOLDER "/sys/devices/platform/vhci_hcd.0"
 
+/* Whether the kernel would take a device of that speed now. Returns as placido_vhci_attach. */
+int placido_vhci_check(const char *folder, enum placido_gadget_speed speed, placido_error *err);
+
 /* Gives the socket to a free port of the speed's hub, to `*port` itself where that is free (-1: any
  * will do); puts the port there. The kernel keeps the socket: the caller may close its own
  * descriptor. Returns PLACIDO_OK, PLACIDO_UNSUPPORTED (no such module), PLACIDO_SYSTEM (no

@@ -57,6 +57,8 @@ static const struct placido_u3v_known {
 };
 
 #define KNOWN_COUNT (sizeof table / sizeof *table)
+/* What a feature without limits is given, rather than the 308 digits of the largest number. */
+#define LIMIT_MAX 1e12
 #define FEATURES_MAX (sizeof table->features / sizeof *table->features)
 
 /* Units as descriptions write them, to ours. An empty one is ours. */
@@ -162,8 +164,8 @@ static int read_range(placido_control *row, placido_u3v_control *behind,
     return status;
   }
   if (behind->known->way == NUMBER) {
-    row->min = feature->min * behind->factor;
-    row->max = (feature->max < feature->min ? feature->min : feature->max) * behind->factor;
+    row->min = fmax(feature->min * behind->factor, -LIMIT_MAX);
+    row->max = fmin(fmax(feature->max, feature->min) * behind->factor, LIMIT_MAX);
     row->step = feature->step * behind->factor;
   }
   return PLACIDO_OK;

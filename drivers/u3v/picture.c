@@ -85,6 +85,25 @@ enum placido_u3v_verdict placido_u3v_picture_look(placido_u3v_picture *picture,
   return PLACIDO_U3V_WHOLE;
 }
 
+uint64_t placido_u3v_picture_lost(const placido_u3v_ring *ring, uint64_t last_id) {
+  const size_t count = ring->slot_count * ring->slot_transfers;
+  uint64_t lost = 0;
+  for (uint64_t i = ring->taken * ring->slot_transfers; i < ring->submitted; i++) {
+    const placido_u3v_transfer *transfer = &ring->transfers[i % count];
+    placido_u3v_leader leader;
+    if (transfer->is_pending || transfer->received == 0) {
+      continue;
+    }
+    lost = lost > 0 ? lost : 1;
+    if (transfer->received < transfer->size &&
+        placido_u3v_leader_decode(&leader, transfer->bytes, transfer->received, NULL) == 0 &&
+        leader.frame_id - last_id > lost && leader.frame_id - last_id < count) {
+      lost = leader.frame_id - last_id;
+    }
+  }
+  return lost;
+}
+
 /* The picture's rows in its block. */
 struct rows {
   size_t row_bytes, distance_bytes;

@@ -29,6 +29,10 @@ typedef struct placido_u3v_picture {
 enum placido_u3v_verdict placido_u3v_picture_look(placido_u3v_picture *picture,
                                                   const placido_u3v_ring *ring);
 
+/* How many pictures are lost with the ring: one where anything has come, and more where a leader of
+ * a later number than `last_id` has, in whatever place. */
+uint64_t placido_u3v_picture_lost(const placido_u3v_ring *ring, uint64_t last_id);
+
 /* A sentence for how a transfer ended. */
 const char *placido_u3v_trouble(enum placido_u3v_end end);
 

@@ -37,7 +37,7 @@ typedef struct placido_u3v_found {
   uint16_t vendor_id, product_id;
   uint8_t control_interface, control_out, control_in;
   uint8_t stream_interface, stream_in;
-  int control_packet_bytes, stream_packet_bytes; /* wMaxPacketSize of the IN endpoints, 1 to 1,024 */
+  int control_packet_bytes, stream_packet_bytes; /* of the IN endpoints, 1 to 1,024 */
   int speed_mbit;                                /* 12, 480, 5000 ...; 0: unknown */
 } placido_u3v_found;
 

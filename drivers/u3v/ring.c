@@ -151,16 +151,6 @@ void placido_u3v_ring_stamp(placido_u3v_ring *ring) {
   }
 }
 
-uint64_t placido_u3v_ring_begun(const placido_u3v_ring *ring) {
-  uint64_t begun = 0;
-  for (uint64_t i = ring->taken * ring->slot_transfers; i < ring->submitted;
-       i += ring->slot_transfers) {
-    const placido_u3v_transfer *leader = transfer_at(ring, i);
-    begun += !leader->is_pending && leader->received > 0;
-  }
-  return begun;
-}
-
 void placido_u3v_ring_next(placido_u3v_ring *ring) {
   ring->taken++;
 }
@@ -190,6 +180,7 @@ bool placido_u3v_ring_free(placido_u3v_ring *ring) {
   const int64_t deadline_ns = calls->clock_ns(calls->context) + CANCEL_NS_MAX;
   while (is_any_pending(ring)) {
     if (calls->clock_ns(calls->context) >= deadline_ns) {
+      placido_memory_free(ring); /* but neither transfers nor what they point to */
       return false;
     }
     calls->wait(ring->pipe, CANCEL_WAIT_MS);

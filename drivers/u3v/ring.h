@@ -50,15 +50,12 @@ enum placido_u3v_end placido_u3v_ring_fault(const placido_u3v_ring *ring);
 /* Notes the time at which leaders were first seen to have come. */
 void placido_u3v_ring_stamp(placido_u3v_ring *ring);
 
-/* Pictures of which something has come. */
-uint64_t placido_u3v_ring_begun(const placido_u3v_ring *ring);
-
 /* Gives the head back to be filled anew. */
 void placido_u3v_ring_next(placido_u3v_ring *ring);
 
 /* Cancels what is pending and frees the ring; NULL is legal. False: the kernel did not give a
- * transfer back within a second. Then the ring is never freed, because the kernel may still write
- * into it, and the pipe must not be closed. */
+ * transfer back within a second. Then its transfers and blocks are never freed, because they may
+ * still be written to, and the pipe must not be closed. */
 bool placido_u3v_ring_free(placido_u3v_ring *ring);
 
 #endif

@@ -108,6 +108,7 @@ int placido_u3v_stream_start(placido_u3v_stream *stream, placido_u3v_camera *cam
   stream->buffers = buffers;
   stream->failure_count = 0;
   stream->lost = 0;
+  stream->camera_id = UINT64_MAX; /* a first picture of number 0 follows it */
   stream->any_taken = stream->is_restarted = stream->is_hung = false;
   const int status = begin(stream, err);
   if (status) {
@@ -127,7 +128,9 @@ void placido_u3v_stream_stop(placido_u3v_stream *stream) {
 static int restart(placido_u3v_stream *stream, placido_error *err) {
   const placido_u3v_calls *calls = stream->camera->calls;
   stream->statistics.restarts++;
-  stream->lost += stream->ring ? placido_u3v_ring_begun(stream->ring) : 0;
+  if (stream->ring) {
+    stream->lost += placido_u3v_picture_lost(stream->ring, stream->camera_id);
+  }
   stream->is_restarted = true;
   if (stream->failure_count > 1) {
     calls->sleep_ms(calls->context, FAILURE_WAIT_MS);

@@ -205,6 +205,26 @@ static void features_that_are_not_there_are_left_out(void **state) {
   }
 }
 
+/* Cameras of ten years ago: numbers in a unit of their own, which ours do not pretend to know. */
+static void raw_features_are_controls_without_a_unit(void **state) {
+  (void)state;
+  fake.without_exactly = "ExposureTime";
+  void *camera = open_camera("", NULL);
+  size_t count;
+  const placido_control *rows = driver->controls(camera, &count);
+  assert_string_equal(rows[0].name, "exposure");
+  assert_string_equal(rows[0].unit, "");
+  assert_true(rows[0].max == 4095);
+  set(camera, "exposure", 700);
+  assert_int_equal(fake_get(FAKE_EXPOSURE_RAW), 700);
+  driver->close(camera);
+  fake.without_exactly = "Gain";
+  camera = open_camera("", NULL);
+  rows = driver->controls(camera, &count);
+  assert_string_equal(rows[1].name, "gain");
+  driver->close(camera);
+}
+
 struct seen {
   char uri[100], description[300];
 };
@@ -308,6 +328,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(controls_reach_the_camera, reset, nothing_is_left),
       cmocka_unit_test_setup_teardown(what_can_only_be_read_is_not_set, reset, nothing_is_left),
       cmocka_unit_test_setup_teardown(features_that_are_not_there_are_left_out, reset,
+                                      nothing_is_left),
+      cmocka_unit_test_setup_teardown(raw_features_are_controls_without_a_unit, reset,
                                       nothing_is_left),
       cmocka_unit_test_setup_teardown(cameras_are_listed_by_what_finds_them, reset,
                                       nothing_is_left),

@@ -33,6 +33,7 @@ enum {
   FAKE_TEMPERATURE = 0x40040, /* float */
   FAKE_LOCKED = 0x40044,
   FAKE_BLACK = 0x40048,
+  FAKE_EXPOSURE_RAW = 0x4004c,
 };
 
 #define FAKE_PERIOD_NS 10000000 /* 100 pictures a second */
@@ -62,6 +63,7 @@ struct fake_picture {
 
 struct fake_transfer {
   placido_u3v_transfer *transfer;
+  void *pipe;
   bool is_cancelled;
 };
 
@@ -69,7 +71,8 @@ struct fake {
   uint8_t memory[FAKE_MEMORY];
   placido_u3v_found found[3];
   int found_count;
-  const char *without; /* features with this in their names are left out of the description */
+  const char *without;         /* features with this in their names the camera does not have */
+  const char *without_exactly; /* nor the one of this name */
   int64_t clock_ns, camera_ahead_ns;
   bool has_no_clock, answers_not, never_gives_back;
   size_t spare_bytes;       /* of the required payload */
@@ -124,6 +127,11 @@ uint32_t fake_get(uint32_t address);
 void fake_put(uint32_t address, uint32_t value);
 float fake_get_float(uint32_t address);
 void fake_put_float(uint32_t address, float value);
+
+/* All that can happen in the stream up to now; what was cancelled ends; whether pictures flow. */
+void fake_catch_up(void);
+void fake_end_cancelled(void);
+bool fake_is_on(void);
 
 /* The sample of a picture: its number, its place and the format's bits. */
 uint8_t fake_sample(uint64_t id, size_t byte);

@@ -65,6 +65,9 @@ static const struct {
     {"ExposureAuto", ENUMERATION("ExposureAuto", "0x40020",
                                  ENTRY("Off", "0") ENTRY("Continuous", "2"))},
     {"ExposureTime", FLOAT("ExposureTime", "0x40024", "RW", "ms", "0.01", "9")},
+    {"ExposureTimeRaw",
+     INTEGER("ExposureTimeRaw", "0x4004c", "<Min>1</Min>", "<Max>4095</Max>", "1")},
+    {"GainRaw", INTEGER("GainRaw", "0x40050", "<Min>0</Min>", "<Max>63</Max>", "1")},
     {"Gain", FLOAT("Gain", "0x40028", "RW", "dB", "0", "24")},
     {"AcquisitionFrameRateEnable",
      "<Boolean Name=\"AcquisitionFrameRateEnable\"><pValue>RateEnableReg</pValue>"
@@ -86,7 +89,8 @@ void fake_describe(void) {
   char *text = (char *)fake.memory + XML;
   size_t length = (size_t)sprintf(text, "%s", head);
   for (size_t i = 0; i < sizeof features / sizeof *features; i++) {
-    if (!fake.without || !strstr(features[i].name, fake.without)) {
+    if ((!fake.without || !strstr(features[i].name, fake.without)) &&
+        (!fake.without_exactly || strcmp(features[i].name, fake.without_exactly) != 0)) {
       length += (size_t)sprintf(text + length, "%s\n", features[i].xml);
     }
   }
@@ -116,7 +120,8 @@ void fake_put_float(uint32_t address, float value) {
 }
 
 const placido_pixel_format *fake_format(void) {
-  return placido_pixel_by_code(fake_get(FAKE_PIXEL_FORMAT));
+  const placido_pixel_format *format = placido_pixel_by_code(fake_get(FAKE_PIXEL_FORMAT));
+  return format ? format : placido_pixel_by_name("Mono8");
 }
 
 size_t fake_picture_bytes(void) {

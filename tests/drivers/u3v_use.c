@@ -50,6 +50,16 @@ placido_device_statistics counts_of(const void *camera) {
   return counts;
 }
 
+void assert_counts(const void *camera, uint64_t frames, uint64_t dropped, uint64_t corrupt,
+                   uint64_t truncated, uint64_t restarts) {
+  const placido_device_statistics counts = counts_of(camera);
+  assert_int_equal(counts.frames, frames);
+  assert_int_equal(counts.dropped, dropped);
+  assert_int_equal(counts.corrupt, corrupt);
+  assert_int_equal(counts.truncated, truncated);
+  assert_int_equal(counts.restarts, restarts);
+}
+
 void take(void *camera, placido_frame *frame) {
   placido_error err = {0};
   if (driver->next(camera, frame, 500, &err)) {

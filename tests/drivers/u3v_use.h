@@ -13,6 +13,8 @@ void *open_camera(const char *address, placido_notes *notes);
 void *start_camera(const char *address);
 void stop_camera(void *camera);
 placido_device_statistics counts_of(const void *camera);
+void assert_counts(const void *camera, uint64_t frames, uint64_t dropped, uint64_t corrupt,
+                   uint64_t truncated, uint64_t restarts);
 void take(void *camera, placido_frame *frame);
 /* Takes a frame that must show the samples of picture `id` in all its rows but the last
  * `black_rows`. */

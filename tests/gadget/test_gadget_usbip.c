@@ -256,6 +256,17 @@ static void claims_that_no_kernel_makes_are_refused(void **state) {
     assert_int_equal(placido_usbip_request_decode(&request, bytes, &err), PLACIDO_INPUT);
     assert_non_null(strstr(err.text, "USB/IP"));
   }
+  make_submit(bytes, 1, true, 0, 64); /* data in, and a setup packet that says out */
+  assert_int_equal(placido_usbip_request_decode(&request, bytes, NULL), PLACIDO_INPUT);
+}
+
+static void a_control_transfer_without_data_is_answered(void **state) {
+  (void)state;
+  uint8_t header[48];
+  make_submit(header, 1, false, 0, 0);
+  memcpy(header + 40, "\x80\x06\x00\x01\x00\x00\x12\x00", 8);
+  write_all(header, sizeof header);
+  assert_int_equal(read_answer(3, 1, NULL, 0), 0);
 }
 
 static void bulk_transfers_pass_through(void **state) {
@@ -513,6 +524,7 @@ static void a_free_port_of_the_speed_is_taken(void **state) {
                    PLACIDO_SYSTEM);
   snprintf(path, sizeof path, "%s/attach", folder);
   assert_true(write_text(path, ""));
+  assert_int_equal(placido_vhci_check(folder, PLACIDO_GADGET_HIGH, &err), PLACIDO_OK);
   assert_int_equal(placido_vhci_attach(folder, &port, 7, PLACIDO_GADGET_SUPER, &err), PLACIDO_OK);
   assert_int_equal(port, 9);
   port = 10; /* back where it was */
@@ -541,6 +553,7 @@ int main(void) {
       LOCAL(bulk_transfers_pass_through),
       LOCAL(transfers_of_an_endpoint_keep_their_order),
       LOCAL(control_transfers_carry_descriptors),
+      LOCAL(a_control_transfer_without_data_is_answered),
       LOCAL(a_stall_is_a_broken_pipe),
       LOCAL(a_transfer_is_taken_back_or_answered_but_not_both),
       LOCAL(a_slow_host_gets_all_of_it),

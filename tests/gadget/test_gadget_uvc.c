@@ -315,6 +315,19 @@ static void exposure_is_manual(void **state) {
   }
 }
 
+static void settings_last_until_the_power_goes(void **state) {
+  (void)state;
+  assert_int_equal(set(UVC_PU_GAIN_CONTROL, PROCESSING, 99, 2), PLACIDO_GADGET_DONE);
+  for (uint16_t configuration = 1; configuration < 2; configuration--) { /* 1, then 0 */
+    const placido_gadget_setup choose = {0x00, USB_REQ_SET_CONFIGURATION, configuration, 0, 0};
+    size_t size = 0;
+    assert_int_equal(placido_gadget_transfer(&gadget, 0, &choose, NULL, &size),
+                     PLACIDO_GADGET_DONE);
+    assert_int_equal(get(UVC_GET_CUR, UVC_PU_GAIN_CONTROL, PROCESSING, 2),
+                     configuration ? 99 : 16);
+  }
+}
+
 static int open_status(int width_px, double rate_hz, const char *serial) {
   const placido_gadget_options options = {.view = {look, NULL, width_px, HEIGHT, rate_hz},
                                           .faults = &faults,
@@ -358,6 +371,7 @@ int main(void) {
       CASE(refusals_have_their_reason),
       CASE(controls_have_ranges),
       CASE(exposure_is_manual),
+      CASE(settings_last_until_the_power_goes),
       cmocka_unit_test(cameras_that_cannot_be_are_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
