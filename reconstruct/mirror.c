@@ -20,6 +20,8 @@ placido_miss placido_mirror_miss(const placido_ray *ray, const placido_hit *hit,
   double by_x = cx * rz, by_y = cy * rz, by_point_z = -(cx * rx + cy * ry);
   double by_rx = h * cx, by_ry = h * cy;
   double by_rz = cx * hit->x + cy * hit->y - edge->radius_mm;
+  miss.by_radius = -rz;
+  miss.by_height = -by_point_z;
   double gp = (-2 * d[0] - 2 * p * g) / n2, gq = (-2 * d[1] - 2 * q * g) / n2;
   miss.by_p = by_rx * (g + p * gp) + by_ry * q * gp - by_rz * gp;
   miss.by_q = by_rx * p * gq + by_ry * (g + q * gq) - by_rz * gq;

@@ -19,11 +19,13 @@ typedef struct placido_hit {
 
 /* F = (radius at which the mirrored ray crosses the edge's plane - radius of the edge) * r_z, and
  * what the fit needs of it: dF = by_z dz + by_p dp + by_q dq for a change of the surface under the
- * fixed camera ray (the point slides along the ray), and F's gradient in the image. */
+ * fixed camera ray (the point slides along the ray), F's gradient in the image, and what it changes
+ * by with the edge. */
 typedef struct placido_miss {
   double f;
   double by_z, by_p, by_q;
   double by_u, by_v; /* per pixel */
+  double by_radius, by_height; /* per mm of the edge's radius and z */
 } placido_miss;
 
 placido_miss placido_mirror_miss(const placido_ray *ray, const placido_hit *hit,

@@ -27,6 +27,18 @@ int placido_figure_frame(const placido_frame *frame, int width_px, const char *p
 /* The PSF as a height field in perspective with axes in minutes of arc, and as a plan beside it. */
 int placido_figure_psf(const placido_psf *psf, const char *path, placido_error *err);
 
+/* A daily check of the instrument on a ball. NaN: not seen. */
+typedef struct placido_drift_point {
+  double t_s;                  /* since 1970, UTC */
+  double power_D[3], shape_um; /* error of axial power in the inner, middle and outer zone; rms */
+  double limit_D, limit_um;
+  bool passed;
+} placido_drift_point;
+
+/* The checks over time: errors of power and of shape, with their limits; failed ones are marked. */
+int placido_figure_drift(const placido_drift_point *points, size_t count, const char *path,
+                         placido_error *err);
+
 /* A stage of the examination and its wall time. */
 typedef struct placido_stage {
   const char *name;

@@ -6,6 +6,25 @@
 #define REPLUG_S 10            /* to put a plug that was kicked out back in */
 #define DISTANCE_SIGMA_MM 0.05 /* of a distance that nobody measured: a careful examiner's focus */
 
+/* What the error bars leave out must be told. */
+static void judge_instrument(const placido_instrument *instrument, bool uncertainty_known,
+                             placido_notes *notes) {
+  const char *left_out = "absolute values may be off by far more than their error bars, which do "
+                         "not include the geometry";
+  if (!instrument->calibrated && !uncertainty_known) {
+    placido_notes_add(notes, "the geometry of \"%s\" is nominal, not calibrated: %s",
+                      instrument->name, left_out);
+  } else if (!instrument->calibrated) {
+    placido_notes_add(notes,
+                      "the geometry of \"%s\" is nominal, not calibrated: error bars are as good "
+                      "as the standard deviations in its file",
+                      instrument->name);
+  } else if (!uncertainty_known) {
+    placido_notes_add(notes, "the file of \"%s\" does not say how well its geometry is known: %s",
+                      instrument->name, left_out);
+  }
+}
+
 static int read_instrument(struct examination *examination, placido_error *err) {
   const struct settings *settings = examination->settings;
   placido_notes *notes = &examination->outcome->notes;
@@ -20,12 +39,12 @@ static int read_instrument(struct examination *examination, placido_error *err) 
   if (settings->instrument && own[0] != '\0') {
     placido_notes_add(notes, "%s takes the place of the session's own instrument", path);
   }
-  const int status = placido_instrument_load(&examination->instrument, path, notes, err);
-  if (status == PLACIDO_OK && !examination->instrument.calibrated) {
-    placido_notes_add(notes,
-                      "the geometry of \"%s\" is nominal, not calibrated: absolute values may be "
-                      "off by far more than their error bars",
-                      examination->instrument.name);
+  int status = placido_instrument_load(&examination->instrument, path, notes, err);
+  if (status == PLACIDO_OK) {
+    status = placido_uncertainty_load(&examination->geometry, path, err);
+  }
+  if (status == PLACIDO_OK) {
+    judge_instrument(&examination->instrument, examination->geometry.sigma != NULL, notes);
   }
   return status;
 }

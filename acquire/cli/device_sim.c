@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "gadget/face.h"
 #include "gadget/server.h"
+#include "gadget/vhci.h"
 
 #include <errno.h>
 #include <math.h>
@@ -28,6 +29,8 @@ struct simulation {
   placido_gadget_faults faults;
   placido_gadget gadget;
   placido_gadget_server *server;
+  placido_gadget_server_options options;
+  char address[64]; /* to listen on */
   int64_t started_ns;
   char line[LINE_BYTES]; /* of a command, until it is whole */
   size_t line_length;
@@ -161,37 +164,48 @@ static int parse_listen(placido_gadget_server_options *options, char address[64]
   return PLACIDO_OK;
 }
 
-static int serve(struct simulation *simulation, placido_error *err) {
+/* Standard input, but -1 for a job in the background: to read its terminal would stop it. */
+static int orders_descriptor(void) {
+  const bool is_background = isatty(STDIN_FILENO) && tcgetpgrp(STDIN_FILENO) != getpgrp();
+  return is_background ? -1 : STDIN_FILENO;
+}
+
+/* How the camera is to be plugged in; refuses what cannot be before anything is rendered. */
+static int plan_plug(struct simulation *simulation, placido_error *err) {
   const struct settings *settings = simulation->settings;
-  char address[64], ready[160];
-  placido_gadget_server_options options = {.gadget = &simulation->gadget,
-                                           .is_local = true,
-                                           .descriptor = STDIN_FILENO,
-                                           .readable = take_input,
-                                           .turned = take_time,
-                                           .user = simulation};
-  int status =
-      settings->listen ? parse_listen(&options, address, settings->listen, err) : PLACIDO_OK;
-  simulation->started_ns = placido_gadget_now_ns();
-  if (status == PLACIDO_OK) {
-    status = placido_gadget_server_open(&simulation->server, &options, err);
-  }
-  if (status != PLACIDO_OK) {
-    return status;
-  }
-  if (settings->listen) {
-    snprintf(ready, sizeof ready,
-             "READY %s on TCP port %d: usbip --tcp-port %d attach -r THIS-MACHINE -b "
-             PLACIDO_GADGET_BUS_ID, simulation->face->name,
-             placido_gadget_server_port(simulation->server),
-             placido_gadget_server_port(simulation->server));
+  simulation->options = (placido_gadget_server_options){.gadget = &simulation->gadget,
+                                                        .is_local = !settings->listen,
+                                                        .descriptor = orders_descriptor(),
+                                                        .readable = take_input,
+                                                        .turned = take_time,
+                                                        .user = simulation};
+  simulation->gadget.speed = settings->high_speed ? PLACIDO_GADGET_HIGH : PLACIDO_GADGET_SUPER;
+  return settings->listen
+             ? parse_listen(&simulation->options, simulation->address, settings->listen, err)
+             : placido_vhci_check(PLACIDO_VHCI_FOLDER, simulation->gadget.speed, err);
+}
+
+static int tell_ready(const struct simulation *simulation, placido_error *err) {
+  char text[160];
+  const int port = placido_gadget_server_port(simulation->server);
+  if (simulation->options.is_local) {
+    snprintf(text, sizeof text, "READY %s plugged in", simulation->face->name);
   } else {
-    snprintf(ready, sizeof ready, "READY %s plugged in", simulation->face->name);
+    snprintf(text, sizeof text,
+             "READY %s on TCP port %d: usbip --tcp-port %d attach -r THIS-MACHINE -b "
+             PLACIDO_GADGET_BUS_ID, simulation->face->name, port, port);
   }
-  status = tell(simulation, ready, err);
-  const int64_t until_ns = settings->for_s > 0
-                               ? simulation->started_ns + llround(settings->for_s * 1e9)
-                               : INT64_MAX;
+  return tell(simulation, text, err);
+}
+
+static int serve(struct simulation *simulation, placido_error *err) {
+  const double for_s = simulation->settings->for_s;
+  simulation->started_ns = placido_gadget_now_ns();
+  int status = placido_gadget_server_open(&simulation->server, &simulation->options, err);
+  if (status == PLACIDO_OK) {
+    status = tell_ready(simulation, err);
+  }
+  const int64_t until_ns = for_s > 0 ? simulation->started_ns + llround(for_s * 1e9) : INT64_MAX;
   return status == PLACIDO_OK ? placido_gadget_server_run(simulation->server, until_ns, err)
                               : status;
 }
@@ -217,7 +231,7 @@ static int run_camera(struct simulation *simulation, struct outcome *outcome,
   const placido_gadget_options options = {
       .view = simulation->view.view,
       .faults = &simulation->faults,
-      .speed = settings->high_speed ? PLACIDO_GADGET_HIGH : PLACIDO_GADGET_SUPER,
+      .speed = simulation->gadget.speed,
       .serial = settings->serial ? settings->serial : DEFAULT_SERIAL,
       .zip = settings->zip};
   status = simulation->face->open(&simulation->gadget.state, &options, err);
@@ -225,7 +239,6 @@ static int run_camera(struct simulation *simulation, struct outcome *outcome,
     return status;
   }
   simulation->gadget.function = simulation->face->function;
-  simulation->gadget.speed = options.speed;
   stages_end(&outcome->stages); /* what comes now is not waited for */
   status = serve(simulation, err);
   if (status == PLACIDO_OK) {
@@ -249,6 +262,9 @@ static int run(const struct settings *settings, struct outcome *outcome, placido
   }
   if (status == PLACIDO_OK && settings->faults) {
     status = sim_orders_parse(&simulation->orders, settings->faults, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = plan_plug(simulation, err);
   }
   if (status == PLACIDO_OK) {
     status = run_camera(simulation, outcome, err);

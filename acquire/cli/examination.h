@@ -13,6 +13,7 @@
 #include <placido/map.h>
 #include <placido/mires.h>
 #include <placido/reconstruct.h>
+#include <placido/uncertainty.h>
 
 struct recipe;
 
@@ -28,6 +29,7 @@ struct examination {
   /* step_capture */
   placido_device_info source;
   placido_instrument instrument;
+  placido_uncertainty geometry; /* the instrument's; without modes where nothing is known of it */
   double axis_z_mm, axis_z_sigma_mm;
   placido_choice choice;
   placido_frame frame; /* no data: there was no capture */

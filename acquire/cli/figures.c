@@ -183,3 +183,24 @@ int figures_report(const struct examination *examination, placido_error *err) {
   placido_memory_free(page);
   return status;
 }
+
+int figures_drift(const struct ball_record *records, size_t count, const char *path,
+                  placido_notes *notes, placido_error *err) {
+  (void)notes;
+  placido_drift_point *points = placido_memory_new(count, sizeof *points, err);
+  if (!points) {
+    return PLACIDO_MEMORY;
+  }
+  for (size_t i = 0; i < count; i++) {
+    const struct ball_record *r = &records[i];
+    points[i] = (placido_drift_point){.t_s = r->t_s,
+                                      .power_D = {r->power_D[0], r->power_D[1], r->power_D[2]},
+                                      .shape_um = r->rms_8_um,
+                                      .limit_D = r->limit_D,
+                                      .limit_um = r->limit_um,
+                                      .passed = r->passed};
+  }
+  const int status = placido_figure_drift(points, count, path, err);
+  placido_memory_free(points);
+  return status;
+}

@@ -2,6 +2,7 @@
 #ifndef PLACIDO_CLI_FIGURES_H
 #define PLACIDO_CLI_FIGURES_H
 
+#include "acquire/cli/ball.h"
 #include "acquire/cli/save.h"
 
 bool figures_available(void);
@@ -11,5 +12,9 @@ void figures_add(struct jobs *jobs, const struct examination *examination);
 
 /* Writes report.html into the directory, when all pictures are there. */
 int figures_report(const struct examination *examination, placido_error *err);
+
+/* Draws how the daily checks went. */
+int figures_drift(const struct ball_record *records, size_t count, const char *path,
+                  placido_notes *notes, placido_error *err);
 
 #endif

@@ -17,3 +17,12 @@ int figures_report(const struct examination *examination, placido_error *err) {
   (void)err;
   return PLACIDO_OK;
 }
+
+int figures_drift(const struct ball_record *records, size_t count, const char *path,
+                  placido_notes *notes, placido_error *err) {
+  (void)records;
+  (void)count;
+  (void)err;
+  placido_notes_add(notes, "this build draws no figures: %s is left out (PLACIDO_FIGURES)", path);
+  return PLACIDO_OK;
+}

@@ -21,6 +21,7 @@ struct interrupt {
   sigset_t signals, before;
   char command[32];
   placido_directory directory; /* temporary[0] zero: nothing to remove */
+  bool defers, is_asked;
 };
 
 /* Other threads may be writing still: what they add while this removes is removed again. */
@@ -54,12 +55,27 @@ static void end_by(struct interrupt *interrupt, int number) {
   raise(number);
 }
 
+/* Takes note of a signal where it is not to end the program. */
+static bool defer(struct interrupt *interrupt) {
+  pthread_mutex_lock(&interrupt->lock);
+  const bool deferred = interrupt->defers;
+  interrupt->is_asked = deferred;
+  pthread_mutex_unlock(&interrupt->lock);
+  return deferred;
+}
+
 static void *watch(void *user) {
   struct interrupt *interrupt = user;
   int number;
-  if (sigwait(&interrupt->signals, &number) == 0) {
+  sigset_t all; /* SIGTSTP is not for this thread where a command handles it */
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, NULL);
+  while (sigwait(&interrupt->signals, &number) == 0) {
     pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, NULL);
-    end_by(interrupt, number);
+    if (!defer(interrupt)) {
+      end_by(interrupt, number);
+    }
+    pthread_setcancelstate(PTHREAD_CANCEL_ENABLE, NULL);
   }
   return NULL;
 }
@@ -105,6 +121,24 @@ void interrupt_release(struct interrupt *interrupt, const placido_directory *dir
     interrupt->directory = *directory;
     pthread_mutex_unlock(&interrupt->lock);
   }
+}
+
+void interrupt_defer(struct interrupt *interrupt) {
+  if (interrupt) {
+    pthread_mutex_lock(&interrupt->lock);
+    interrupt->defers = true;
+    pthread_mutex_unlock(&interrupt->lock);
+  }
+}
+
+bool interrupt_is_asked(struct interrupt *interrupt) {
+  if (!interrupt) {
+    return false;
+  }
+  pthread_mutex_lock(&interrupt->lock);
+  const bool is_asked = interrupt->is_asked;
+  pthread_mutex_unlock(&interrupt->lock);
+  return is_asked;
 }
 
 void interrupt_stop(struct interrupt *interrupt) {

@@ -4,6 +4,8 @@
 
 #include "base/file.h"
 
+#include <stdbool.h>
+
 struct interrupt;
 
 /* From here on SIGINT, SIGTERM and SIGHUP (less those that the caller of the program had ignored)
@@ -17,5 +19,10 @@ struct interrupt *interrupt_start(const char *command);
 void interrupt_hold(struct interrupt *interrupt);
 void interrupt_release(struct interrupt *interrupt, const placido_directory *directory);
 void interrupt_stop(struct interrupt *interrupt);
+
+/* For what ends in an orderly way when it is asked to: from here on signals end nothing, and
+ * interrupt_is_asked says whether one has come. Both accept NULL. */
+void interrupt_defer(struct interrupt *interrupt);
+bool interrupt_is_asked(struct interrupt *interrupt);
 
 #endif

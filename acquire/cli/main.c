@@ -13,7 +13,12 @@
 
 static const struct command *const commands[] = {&command_exam, &command_reconstruct,
                                                  &command_simulate, &command_phantom,
-                                                 &command_devices, &command_device_sim};
+                                                 &command_devices, &command_device_sim,
+                                                 &command_live,
+                                                 &command_session,
+                                                 &command_record,
+                                                 &command_calibrate, &command_verify,
+                                                 &command_bench};
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
 
 /* Exit codes; docs/man/placido.1 lists them. A status that is not here gives EXIT_SYSTEM. */
@@ -22,6 +27,7 @@ static const struct {
   int status, code;
 } exit_codes[] = {
     {PLACIDO_OK, 0}, {STATUS_USAGE, 2}, {PLACIDO_INPUT, 3}, {PLACIDO_END, 3}, {PLACIDO_QUALITY, 4},
+    {STATUS_INCOMPLETE, 5},
 };
 
 static int exit_code(int status) {
@@ -71,7 +77,8 @@ static void print_overview(void) {
        "  1  the system refused (no such file, disk full, memory), or this build cannot do it\n"
        "  2  the command line is wrong\n"
        "  3  an input is not what its format says\n"
-       "  4  measured, and not good enough to give an answer\n\n"
+       "  4  measured, and not good enough to give an answer\n"
+       "  5  recorded, but frames were dropped or are missing\n\n"
        "Not a medical device.");
 }
 
@@ -100,6 +107,10 @@ static int flush_output(placido_error *err) {
 
 static int check_required(const struct command *command, const struct settings *settings,
                           placido_error *err) {
+  if (command->needs_verb && !settings->verb) {
+    return placido_error_set(err, STATUS_USAGE, "%s is missing (placido help %s)",
+                             command->needs_verb, command->name);
+  }
   if (command->needs_word && !settings->input) {
     return placido_error_set(err, STATUS_USAGE, "%s is missing (placido help %s)",
                              command->needs_word, command->name);
@@ -118,7 +129,7 @@ static int check_required(const struct command *command, const struct settings *
 }
 
 /* The one object on stdout that --json promises, whatever happened. */
-static void print_json(const struct command *command, json_t *result, int status,
+static void print_json(const struct command *command, json_t *result, size_t layout, int status,
                        const placido_error *err) {
   json_t *root = result ? result : json_object();
   json_object_set_new(root, "command", record_text(command->name));
@@ -126,7 +137,7 @@ static void print_json(const struct command *command, json_t *result, int status
   if (status != PLACIDO_OK) {
     json_object_set_new(root, "error", record_text(err->text));
   }
-  json_dumpf(root, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(17));
+  json_dumpf(root, stdout, layout | JSON_REAL_PRECISION(17));
   putchar('\n');
   json_decref(root);
 }
@@ -146,7 +157,8 @@ static int run_parsed(const struct command *command, const struct settings *sett
     stages_print(&outcome.stages);
   }
   if (settings->json) {
-    print_json(command, outcome.result, status, err);
+    print_json(command, outcome.result, outcome.has_json_lines ? JSON_COMPACT : JSON_INDENT(1),
+               status, err);
   } else {
     json_decref(outcome.result);
   }
@@ -157,8 +169,14 @@ static int run_parsed(const struct command *command, const struct settings *sett
 static int run_command(const struct command *command, int argc, char **argv) {
   placido_error err = {0};
   struct settings settings = settings_default();
+  if (command->needs_verb && argc > 1 && argv[1][0] != '-') {
+    settings.verb = argv[1];
+    argc--;
+    argv++;
+  }
+  struct text_list *more = command->may_have_more ? &settings.more : NULL;
   int status =
-      options_parse(&settings, &settings.input, command->groups, argc, argv, &err);
+      options_parse(&settings, &settings.input, more, command->groups, argc, argv, &err);
   if (status == PLACIDO_OK && settings.help) {
     print_help(command);
   } else {
@@ -168,7 +186,7 @@ static int run_command(const struct command *command, int argc, char **argv) {
     if (status == PLACIDO_OK) {
       status = run_parsed(command, &settings, &err);
     } else if (settings.json) {
-      print_json(command, NULL, status, &err);
+      print_json(command, NULL, JSON_INDENT(1), status, &err);
     }
   }
   const int flushed = flush_output(status == PLACIDO_OK ? &err : NULL);

@@ -14,6 +14,7 @@ int step_fit(struct examination *examination, placido_error *err) {
   stages_next(&examination->outcome->stages, "fit");
   const placido_fit_options options = {.axis_z_mm = examination->axis_z_mm,
                                        .axis_z_sigma_mm = examination->axis_z_sigma_mm,
+                                       .geometry = &examination->geometry,
                                        .knot_mm = examination->settings->knot_mm};
   const int status = placido_fit_new(&examination->fit, &examination->mires,
                                      &examination->instrument, &options,

@@ -179,19 +179,25 @@ static int refuse(const struct getopt_tables *tables, int code, char **argv, pla
   return placido_error_set(err, STATUS_USAGE, "unknown or ambiguous option %s", given);
 }
 
-static int take_word(const char **word, int argc, char **argv, placido_error *err) {
+static int take_words(const char **word, struct text_list *more, int argc, char **argv,
+                      placido_error *err) {
   if (optind < argc) {
     *word = argv[optind];
   }
-  if (optind + 1 < argc) {
-    return placido_error_set(err, STATUS_USAGE, "one input at a time: \"%s\" is one too many",
-                             argv[optind + 1]);
+  for (int i = optind + 1; i < argc; i++) {
+    if (!more || more->count == LIST_MAX) {
+      return placido_error_set(err, STATUS_USAGE, "%s: \"%s\" is one too many",
+                               more ? "so many words are not understood" : "one input at a time",
+                               argv[i]);
+    }
+    more->values[more->count++] = argv[i];
   }
   return PLACIDO_OK;
 }
 
-int options_parse(void *settings, const char **word, const struct option_group *const *groups,
-                  int argc, char **argv, placido_error *err) {
+int options_parse(void *settings, const char **word, struct text_list *more,
+                  const struct option_group *const *groups, int argc, char **argv,
+                  placido_error *err) {
   struct getopt_tables tables = {0};
   fill_tables(&tables, groups);
   *word = NULL;
@@ -208,7 +214,7 @@ int options_parse(void *settings, const char **word, const struct option_group *
       return status;
     }
   }
-  return take_word(word, argc, argv, err);
+  return take_words(word, more, argc, argv, err);
 }
 
 /* Prints text broken at spaces, every line after the first indented to the help's column. */

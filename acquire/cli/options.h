@@ -60,9 +60,11 @@ int parse_tuple(struct number_list *list, const struct option_row *row, const ch
                 size_t least, size_t most, placido_error *err);
 
 /* Reads the command line of a command (argv[0] is its name) into `settings`, by the rows of the
- * groups (NULL-terminated). The one word that is no option goes to *word; NULL: there is none. */
-int options_parse(void *settings, const char **word, const struct option_group *const *groups,
-                  int argc, char **argv, placido_error *err);
+ * groups (NULL-terminated). The first word that is no option goes to *word (NULL: there is none),
+ * further ones to `more`, which is NULL where one is enough. */
+int options_parse(void *settings, const char **word, struct text_list *more,
+                  const struct option_group *const *groups, int argc, char **argv,
+                  placido_error *err);
 
 /* Prints the rows of the groups to stdout, one paragraph a group. */
 void options_print(const struct option_group *const *groups);

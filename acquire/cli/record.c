@@ -131,6 +131,29 @@ static struct builder build_capture(const struct examination *examination) {
   return builder;
 }
 
+#define BUDGET_ZONE_MM 6
+
+/* Where the error bars come from, rms over the zone. */
+static struct builder build_budget(const struct examination *examination) {
+  static const char *const names[PLACIDO_SIGMA_SOURCES] = {
+      [PLACIDO_SIGMA_NOISE] = "noise",
+      [PLACIDO_SIGMA_DISTANCE] = "distance",
+      [PLACIDO_SIGMA_GEOMETRY] = "geometry",
+  };
+  struct builder builder = builder_new();
+  placido_sigma budget[PLACIDO_SIGMA_SOURCES];
+  placido_fit_budget(examination->fit, BUDGET_ZONE_MM, budget);
+  put_real(&builder, "zone_mm", BUDGET_ZONE_MM);
+  put_real(&builder, "axis_z_um", 1e3 * examination->axis_z_sigma_mm);
+  for (int i = 0; i < PLACIDO_SIGMA_SOURCES; i++) {
+    struct builder source = builder_new();
+    put_real(&source, "z_um", budget[i].z_um);
+    put_real(&source, "axial_D", budget[i].axial_D);
+    put_object(&builder, names[i], source);
+  }
+  return builder;
+}
+
 static struct builder build_fit(const struct examination *examination) {
   struct builder builder = builder_new();
   const placido_fit_summary fit = placido_fit_summary_get(examination->fit);
@@ -150,6 +173,7 @@ static struct builder build_fit(const struct examination *examination) {
   put_real(&best, "z_mm", sphere->z_mm);
   put_real(&best, "zone_mm", sphere->zone_mm);
   put_object(&builder, "best_fit_sphere", best);
+  put_object(&builder, "error_budget", build_budget(examination));
   return builder;
 }
 

@@ -14,9 +14,8 @@
 #define THREADS_MAX 256
 #define COUNT(rows) (sizeof(rows) / sizeof((rows)[0]))
 
-/* "Z" or "Z,SIGMA"; without SIGMA the distance counts as exactly known. */
-static int parse_distance(void *field, const struct option_row *row, const char *text,
-                          placido_error *err) {
+int parse_distance(void *field, const struct option_row *row, const char *text,
+                   placido_error *err) {
   struct number_list list;
   const int status = parse_tuple(&list, row, text, 1, 2, err);
   if (status != PLACIDO_OK) {
@@ -210,19 +209,60 @@ static const struct option_row simulated_rows[] = {
      0.001, 1e7},
 };
 
+static const struct option_row session_rows[] = {
+    {"output", 'o', "PATH", "What is written: by pack and repair a session, by export a directory "
+     "of pictures. Must not exist yet. Without it, pack works in place.", FIELD(output),
+     parse_text, 0, 0},
+    {"frames", 0, "LIST", "export: which frames, counted from 0, like 3,5-9 (default: all).",
+     FIELD(frame_list), parse_text, 0, 0},
+    {"type", 0, "png|tiff", "export: the kind of picture (default png).", FIELD(picture_type),
+     parse_text, 0, 0},
+    {"instrument", 0, "FILE", "repair: the topographer's geometry (placido-instrument/1), where "
+     "the session's own is lost.", FIELD(instrument), parse_text, 0, 0},
+};
+
+static const struct option_row calibrate_rows[] = {
+    {"output", 'o', "DIR", "Directory to write: instrument.json with its uncertainty, and "
+     "calibration.json, the report. Must not exist yet, or be empty.", FIELD(output), parse_text,
+     0, 0},
+    {"meridians", 0, "N", "Meridians along which edges are measured (default 360).",
+     FIELD(meridians), parse_integer, 24, 1440},
+};
+
+static const struct option_row verify_rows[] = {
+    {"ball", 0, "MM", "The ball's radius.", FIELD(ball_mm), parse_number, 4.5, 20},
+    {"instrument", 0, "FILE", "The topographer's geometry (placido-instrument/1). Needed unless a "
+     "session has its own.", FIELD(instrument), parse_text, 0, 0},
+    {"axis-z", 0, "Z", "z of the ball on the instrument's axis, mm (default: what the session "
+     "recorded, else as the ball's radius says; then its power as a whole is not checked).",
+     FIELD(axis_z), parse_distance, -100, 100},
+    {"frame", 0, "N", "Frame to examine, counted from 0 (default: the one that shows the mires "
+     "best).", FIELD(frame), parse_integer, 0, 2e9},
+    {"limit", 0, "D", "Largest error of axial power in any zone, and of the shape what that power "
+     "amounts to, 6.84 µm a dioptre (default 0.1).", FIELD(limit_D), parse_number, 0.001, 10},
+    {"log", 0, "FILE.csv", "Add a line to this log, and draw its drift in FILE.png.", FIELD(log),
+     parse_text, 0, 0},
+};
+
 const struct option_group options_general = {"General", general_rows, COUNT(general_rows)};
 const struct option_group options_directory = {"Output", directory_rows, COUNT(directory_rows)};
 const struct option_group options_measuring = {"Measuring", measuring_rows, COUNT(measuring_rows)};
 const struct option_group options_seeing = {"Seeing", seeing_rows, COUNT(seeing_rows)};
 const struct option_group options_eye = {"Eye", eye_rows, COUNT(eye_rows)};
+const struct option_group options_session = {"Session", session_rows, COUNT(session_rows)};
 const struct option_group options_phantom = {"Phantom", phantom_rows, COUNT(phantom_rows)};
 const struct option_group options_devices = {"Devices", devices_rows, COUNT(devices_rows)};
 const struct option_group options_simulated = {"Simulated camera", simulated_rows,
                                                 COUNT(simulated_rows)};
 
+const struct option_group options_calibrate = {"Calibration", calibrate_rows,
+                                                COUNT(calibrate_rows)};
+const struct option_group options_verify = {"Verification", verify_rows, COUNT(verify_rows)};
+
 struct settings settings_default(void) {
   return (struct settings){
       .frame = -1,
+      .limit_D = 0.1,
       .frames = 8,
       .pictures = 16,
       .pupils_mm = {.count = 3, .values = {2.0, 4.0, 8.0}},

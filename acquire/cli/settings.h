@@ -3,6 +3,7 @@
 #define PLACIDO_CLI_SETTINGS_H
 
 #include "acquire/cli/options.h"
+#include "acquire/cli/take_settings.h"
 
 #include <placido/phantom.h>
 #include <placido/simulate.h>
@@ -19,7 +20,9 @@ struct lens {
 };
 
 struct settings {
+  const char *verb;   /* what is to be done, where a command can do several things */
   const char *input;  /* INPUT, SURFACE or COMMAND */
+  struct text_list more; /* words behind it */
   const char *output; /* -o */
   bool help, json, quiet, timing;
   int threads; /* 0: as many as the machine has */
@@ -45,8 +48,21 @@ struct settings {
   struct number_list motion, shift_mm;
   placido_disturbance disturbance;
 
+  /* sessions */
+  const char *frame_list, *picture_type;
+
+  /* balls */
+  double ball_mm, limit_D;
+  const char *log;
+
   /* devices */
-  bool watch;
+  bool watch, window;
+
+  /* benchmarks */
+  bool quick;
+
+  /* recording */
+  struct take_settings take;
 
   /* simulated devices */
   const char *face, *serial, *listen, *faults;
@@ -57,7 +73,16 @@ struct settings {
 
 /* The option tables, in the order in which help shows them. */
 extern const struct option_group options_general, options_measuring, options_seeing, options_eye,
-    options_directory, options_phantom, options_devices, options_simulated;
+    options_directory, options_phantom, options_devices, options_simulated,
+    options_session,
+    options_calibrate, options_verify;
+
+/* In take_settings.c. */
+extern const struct option_group options_take, options_burst;
+
+/* "Z" or "Z,SIGMA" into a struct distance; without SIGMA it counts as exactly known. */
+int parse_distance(void *field, const struct option_row *row, const char *text,
+                   placido_error *err);
 
 /* What holds before the command line is read. */
 struct settings settings_default(void);

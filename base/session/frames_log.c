@@ -15,13 +15,14 @@
 #define REPORTED_MAX 10
 
 json_t *placido_frames_log_line(const placido_frame_info *frame) {
-  return json_pack("{s:I, s:I, s:I, s:o, s:o, s:I}",
+  return json_pack("{s:I, s:I, s:I, s:o, s:o, s:I, s:o*}",
                    "index", (json_int_t)frame->index,
                    "timestamp_ns", (json_int_t)frame->t_ns,
                    "sequence", (json_int_t)frame->seq,
                    "exposure_us", placido_json_real(frame->exposure_us),
                    "gain_db", placido_json_real(frame->gain_db),
-                   "flags", (json_int_t)frame->flags);
+                   "flags", (json_int_t)frame->flags,
+                   "crc32", frame->has_crc32 ? json_integer(frame->crc32) : NULL);
 }
 
 /* An integer of an object within 0..max; `missing` where it has no such key. False: of another
@@ -45,7 +46,7 @@ static double read_real(const json_t *object, const char *key) {
 static const char *parse_line(placido_frame_info *frame, const char *line, size_t length) {
   json_error_t cause;
   json_t *object = json_loadb(line, length, JSON_REJECT_DUPLICATES, &cause);
-  json_int_t index, t_ns, seq, flags;
+  json_int_t index, t_ns, seq, flags, crc32;
   const char *fault = NULL;
   if (!json_is_object(object)) {
     fault = "is not a JSON object";
@@ -57,13 +58,17 @@ static const char *parse_line(placido_frame_info *frame, const char *line, size_
     fault = "has no valid sequence";
   } else if (!read_integer(object, "flags", 0, UINT32_MAX, &flags)) {
     fault = "has no valid flags";
+  } else if (!read_integer(object, "crc32", 0, UINT32_MAX, &crc32)) {
+    fault = "has no valid crc32";
   } else {
     *frame = (placido_frame_info){.index = index,
                                   .t_ns = t_ns,
                                   .seq = (uint64_t)seq,
                                   .exposure_us = read_real(object, "exposure_us"),
                                   .gain_db = read_real(object, "gain_db"),
-                                  .flags = (uint32_t)flags};
+                                  .flags = (uint32_t)flags,
+                                  .has_crc32 = json_object_get(object, "crc32") != NULL,
+                                  .crc32 = (uint32_t)crc32};
   }
   json_decref(object);
   return fault;
@@ -100,6 +105,7 @@ static void parse_lines(placido_frames_log *log, const char *text, size_t size, 
     }
     line += length + 1;
   }
+  log->bad = bad;
   if (bad > REPORTED_MAX) {
     placido_notes_add(notes, "%s: %zu more lines are ignored", placido_text_tail(path),
                       bad - REPORTED_MAX);
@@ -122,6 +128,7 @@ static void sort(placido_frames_log *log, const char *path, placido_notes *notes
     placido_notes_add(notes, "%s: %zu lines are ignored, their index stands there twice",
                       placido_text_tail(path), log->count - kept);
   }
+  log->bad += log->count - kept;
   log->count = kept;
 }
 
@@ -151,6 +158,17 @@ int placido_frames_log_load(placido_frames_log *log, const char *path, placido_n
 const placido_frame_info *placido_frames_log_find(const placido_frames_log *log, int64_t index) {
   const placido_frame_info key = {.index = index};
   return log->count > 0 ? bsearch(&key, log->frames, log->count, sizeof key, by_index) : NULL;
+}
+
+const placido_frame_info *placido_frames_log_find_checksum(const placido_frames_log *log,
+                                                           int64_t index, uint32_t crc32) {
+  for (size_t i = 0; i < log->count; i++) {
+    const placido_frame_info *line = &log->frames[i];
+    if (line->index >= index && line->has_crc32 && line->crc32 == crc32) {
+      return line;
+    }
+  }
+  return NULL;
 }
 
 void placido_frames_log_free(placido_frames_log *log) {

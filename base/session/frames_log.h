@@ -11,6 +11,7 @@
 typedef struct placido_frames_log {
   placido_frame_info *frames;
   size_t count;
+  size_t bad; /* lines that were ignored */
 } placido_frames_log;
 
 /* Reads the file; one that is missing gives an empty log. Lines that are not valid, and a second
@@ -20,6 +21,10 @@ int placido_frames_log_load(placido_frames_log *log, const char *path, placido_n
 
 /* The line of a frame, NULL where there is none. Borrowed from the log. */
 const placido_frame_info *placido_frames_log_find(const placido_frames_log *log, int64_t index);
+
+/* The first line from `index` on with this checksum, NULL where there is none. */
+const placido_frame_info *placido_frames_log_find_checksum(const placido_frames_log *log,
+                                                           int64_t index, uint32_t crc32);
 
 void placido_frames_log_free(placido_frames_log *log);
 

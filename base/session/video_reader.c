@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "base/memory.h"
 #include "base/session/ffv1.h"
+#include "base/session/pixels.h"
 #include "base/text.h"
 
 #include <libavcodec/avcodec.h>
@@ -30,26 +31,6 @@ struct placido_video_reader {
   bool has_checksums; /* an FFV1 slice of this file had a right one */
   char *path;
 };
-
-/* Grey pixel formats and what they are to us; 10 to 16 bit stand right-aligned in two bytes. */
-static const struct grey {
-  enum AVPixelFormat pixels;
-  enum placido_format format;
-  int bits;
-} greys[] = {
-    {AV_PIX_FMT_GRAY8, PLACIDO_MONO8, 8},    {AV_PIX_FMT_GRAY10, PLACIDO_MONO16, 10},
-    {AV_PIX_FMT_GRAY12, PLACIDO_MONO16, 12}, {AV_PIX_FMT_GRAY14, PLACIDO_MONO16, 14},
-    {AV_PIX_FMT_GRAY16, PLACIDO_MONO16, 16},
-};
-
-static const struct grey *find_grey(enum AVPixelFormat pixels) {
-  for (size_t i = 0; i < sizeof greys / sizeof *greys; i++) {
-    if (greys[i].pixels == pixels) {
-      return &greys[i];
-    }
-  }
-  return NULL;
-}
 
 static int refuse_pixels(const placido_video_reader *video, enum AVPixelFormat pixels,
                          placido_error *err) {
@@ -190,7 +171,7 @@ static int advance(placido_video_reader *video, placido_error *err) {
     return placido_error_set(err, PLACIDO_INPUT, "%s: frame %lld is damaged",
                              placido_text_tail(video->path), (long long)video->next_index);
   }
-  return find_grey(video->picture->format) ? PLACIDO_OK
+  return placido_pixels_find(video->picture->format) ? PLACIDO_OK
                                            : refuse_pixels(video, video->picture->format, err);
 }
 
@@ -228,9 +209,21 @@ double placido_video_reader_rate_hz(const placido_video_reader *video) {
   return rate.num > 0 && rate.den > 0 ? av_q2d(rate) : NAN;
 }
 
+enum placido_session_codec placido_video_reader_codec(const placido_video_reader *video) {
+  return placido_codec_of(video->decoder->codec_id);
+}
+
+const char *placido_video_reader_codec_name(const placido_video_reader *video) {
+  return avcodec_get_name(video->decoder->codec_id);
+}
+
+bool placido_video_reader_has_checksums(const placido_video_reader *video) {
+  return video->has_checksums;
+}
+
 bool placido_video_reader_format(const placido_video_reader *video, enum placido_format *format,
                                  int *bits) {
-  const struct grey *grey = video->is_first ? find_grey(video->picture->format) : NULL;
+  const placido_pixels *grey = video->is_first ? placido_pixels_find(video->picture->format) : NULL;
   if (grey) {
     *format = grey->format;
     *bits = grey->bits;
@@ -242,7 +235,7 @@ bool placido_video_reader_format(const placido_video_reader *video, enum placido
 static int take_picture(const placido_video_reader *video, placido_frame *frame,
                         placido_error *err) {
   const AVFrame *picture = video->picture;
-  const struct grey *grey = find_grey(picture->format);
+  const placido_pixels *grey = placido_pixels_find(picture->format);
   int status = placido_frame_resize(frame, picture->width, picture->height, grey->format, err);
   if (status) {
     return status;
@@ -279,6 +272,18 @@ int placido_video_reader_next(placido_video_reader *video, placido_frame *frame,
     status = take_picture(video, frame, err);
   }
   av_frame_unref(video->picture);
+  return status;
+}
+
+int placido_video_reader_skip(placido_video_reader *video, placido_error *err) {
+  int status = video->is_first && video->first_status == PLACIDO_END ? PLACIDO_END : PLACIDO_OK;
+  if (!video->is_first) {
+    status = read_packet(video, err);
+  }
+  video->is_first = false;
+  av_packet_unref(video->packet);
+  av_frame_unref(video->picture);
+  video->next_index += status == PLACIDO_OK;
   return status;
 }
 

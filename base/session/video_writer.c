@@ -1,8 +1,9 @@
-/* Writes frames.mkv: FFV1 version 3 with slice checksums (RFC 9043) in Matroska (RFC 9559), in
- * clusters short enough that a crash costs at most the last second. */
+/* Writes frames.mkv: encoded frames in Matroska (RFC 9559), in clusters short enough that a crash
+ * costs at most the last second. */
 #include "base/session/video.h"
 
 #include "base/memory.h"
+#include "base/session/video_encoder.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -13,12 +14,10 @@
 #include <stdbool.h>
 #include <unistd.h>
 
-/* A cluster reaches the file when it ends; the session's writer puts it on the disk twice a
- * second. */
+/* A cluster reaches the file when it ends, which is after this time at the latest. */
 #define CLUSTER_MS 500
 #define SIDE_MIN_PX 4
-/* Matroska by libavformat counts in milliseconds; the exact times are in frames.jsonl. */
-#define TICKS_PER_S 1000
+#define TICKS_PER_S PLACIDO_VIDEO_TICKS_PER_S
 #define NS_PER_TICK (1000000000LL / TICKS_PER_S)
 
 struct placido_video_writer {
@@ -28,52 +27,9 @@ struct placido_video_writer {
   AVFrame *picture;
   char *path;
   int descriptor; /* of the same file, for fdatasync; -1 where there is none */
-  int64_t first_t_ns, last_tick, frame_ticks;
+  int64_t origin_ns, last_tick, frame_ticks;
   bool header_written;
 };
-
-/* How many slices, which is how many threads, a frame is cut into: by its size, not by the machine,
- * so that files are the same everywhere. */
-static int slices_of(const placido_frame *frame) {
-  bool wide = frame->width_px > frame->height_px;
-  int short_px = wide ? frame->height_px : frame->width_px;
-  int long_px = wide ? frame->width_px : frame->height_px;
-  if (short_px < 16 && long_px <= 256) {
-    return 1; /* libavcodec wants four where a side is over 288 */
-  }
-  return short_px >= 256 ? 16 : 4;
-}
-
-/* All frames are key frames, so that each can be decoded whatever came before it. */
-static int open_encoder(placido_video_writer *video, const placido_frame *first, double rate_hz,
-                        placido_error *err) {
-  const AVCodec *codec = avcodec_find_encoder(AV_CODEC_ID_FFV1);
-  if (!codec) {
-    return placido_video_refuse(AVERROR_ENCODER_NOT_FOUND, "FFV1 for", video->path, err);
-  }
-  AVCodecContext *encoder = video->encoder = avcodec_alloc_context3(codec);
-  if (!encoder) {
-    return placido_video_refuse(AVERROR(ENOMEM), "encoding", video->path, err);
-  }
-  encoder->width = first->width_px;
-  encoder->height = first->height_px;
-  encoder->pix_fmt = first->format == PLACIDO_MONO16 ? AV_PIX_FMT_GRAY16 : AV_PIX_FMT_GRAY8;
-  encoder->time_base = (AVRational){1, TICKS_PER_S};
-  if (rate_hz > 0) {
-    encoder->framerate = av_d2q(rate_hz, 1000000);
-  }
-  encoder->level = 3;
-  encoder->gop_size = 1;
-  encoder->slices = slices_of(first);
-  encoder->thread_type = FF_THREAD_SLICE;
-  encoder->thread_count = 0;
-  encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-  int code = av_opt_set_int(encoder->priv_data, "slicecrc", 1, 0);
-  if (code >= 0) {
-    code = avcodec_open2(encoder, codec, NULL);
-  }
-  return code < 0 ? placido_video_refuse(code, "cannot encode", video->path, err) : PLACIDO_OK;
-}
 
 static int start_file(placido_video_writer *video, const char *url, double rate_hz) {
   AVFormatContext *container = video->container;
@@ -91,6 +47,8 @@ static int start_file(placido_video_writer *video, const char *url, double rate_
   }
   if (code >= 0) {
     container->flags |= AVFMT_FLAG_FLUSH_PACKETS;
+    /* Matroska stores raw samples of any FourCC; libavformat calls those of 16 bit unofficial. */
+    container->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
     container->flush_packets = 1;
     av_opt_set_int(container->priv_data, "cluster_time_limit", CLUSTER_MS, 0);
     code = avformat_write_header(container, NULL);
@@ -120,8 +78,10 @@ static int open_container(placido_video_writer *video, double rate_hz, placido_e
 }
 
 int placido_video_writer_open(placido_video_writer **video, const char *path,
-                              const placido_frame *first, double rate_hz, placido_error *err) {
+                              const placido_video_options *options, const placido_frame *first,
+                              placido_error *err) {
   *video = NULL;
+  const double rate_hz = options->rate_hz;
   placido_video_silence();
   /* libavcodec cuts slices of a single column, and then loses samples. */
   if (first->width_px < SIDE_MIN_PX || first->height_px < SIDE_MIN_PX) {
@@ -134,11 +94,13 @@ int placido_video_writer_open(placido_video_writer **video, const char *path,
     return PLACIDO_MEMORY;
   }
   opened->descriptor = -1;
-  opened->first_t_ns = first->t_ns;
+  opened->origin_ns = options->origin_ns;
   opened->last_tick = -1;
   opened->frame_ticks = rate_hz > 0 && rate_hz < TICKS_PER_S ? lround(TICKS_PER_S / rate_hz) : 1;
   opened->path = placido_memory_string(path, err);
-  int status = opened->path ? open_encoder(opened, first, rate_hz, err) : PLACIDO_MEMORY;
+  int status = opened->path ? placido_video_encoder_open(&opened->encoder, options, first,
+                                                         opened->path, err)
+                            : PLACIDO_MEMORY;
   if (!status) {
     status = open_container(opened, rate_hz, err);
   }
@@ -159,7 +121,7 @@ int placido_video_writer_open(placido_video_writer **video, const char *path,
 
 /* Times must grow: where the camera's do not, the nominal rate stands in. */
 static int64_t next_tick(placido_video_writer *video, int64_t t_ns) {
-  int64_t tick = (t_ns - video->first_t_ns) / NS_PER_TICK;
+  int64_t tick = (t_ns - video->origin_ns) / NS_PER_TICK;
   if (video->last_tick >= 0 && tick <= video->last_tick) {
     tick = video->last_tick + (t_ns == 0 ? video->frame_ticks : 1);
   }
@@ -197,6 +159,10 @@ int placido_video_writer_append(placido_video_writer *video, const placido_frame
 }
 
 int placido_video_writer_sync(placido_video_writer *video, placido_error *err) {
+  const int code = av_write_frame(video->container, NULL); /* ends the cluster that has begun */
+  if (code < 0) {
+    return placido_video_refuse(code, "writing", video->path, err);
+  }
   if (fdatasync(video->descriptor) != 0) {
     return placido_video_refuse(AVERROR(errno), "writing", video->path, err);
   }

@@ -34,6 +34,11 @@ int placido_session_reader_next(placido_session_reader *reader, placido_frame *f
   return refuse(err);
 }
 
+placido_frame_info placido_session_reader_frame_info(const placido_session_reader *reader) {
+  (void)reader;
+  return (placido_frame_info){0};
+}
+
 int placido_session_reader_rewind(placido_session_reader *reader, placido_error *err) {
   (void)reader;
   return refuse(err);

@@ -3,7 +3,9 @@
 
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/session/checksum.h"
 #include "base/session/describe.h"
+#include "base/session/disk.h"
 #include "base/session/frames_log.h"
 #include "base/session/lines.h"
 #include "base/session/video.h"
@@ -12,7 +14,6 @@
 #include <placido/instrument.h>
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -26,49 +27,18 @@ struct placido_session_writer {
   enum placido_format format;
   int width_px, height_px; /* of the first frame; 0 before it */
   double rate_hz;
+  enum placido_session_codec codec;
   int64_t count;
   struct timespec synced;
   placido_video_writer *video; /* opened by the first frame, which has the size */
   placido_lines frames, events;
 };
 
-/* Puts a finished file, and its name in the folder, on the disk. */
-static int synchronise(const char *path, placido_error *err) {
-  int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-  int cause = descriptor < 0 || fsync(descriptor) != 0 ? errno : 0;
-  if (descriptor >= 0) {
-    close(descriptor);
-  }
-  if (cause) {
-    return placido_error_set(err, PLACIDO_SYSTEM, "cannot write %s: %s", placido_text_tail(path),
-                             strerror(cause));
-  }
-  return PLACIDO_OK;
-}
-
-/* A byte-for-byte copy, so that the session shows what was calibrated; refused where the file is
- * not an instrument. */
+/* The copy shows what was calibrated. */
 static int copy_instrument(const char *folder, const char *instrument_path, placido_error *err) {
   char path[PLACIDO_PATH_MAX];
-  char *text = NULL;
-  size_t size;
-  placido_file file = {0};
   int status = placido_path_join(path, folder, "instrument.json", err);
-  if (!status) {
-    status = placido_file_read(&text, &size, instrument_path, 0, err);
-  }
-  if (!status) {
-    status = placido_file_create(&file, path, err);
-  }
-  if (!status) {
-    fwrite(text, 1, size, file.stream); /* commit looks whether it went well */
-    status = placido_file_commit(&file, err);
-  }
-  if (!status) {
-    status = synchronise(path, err);
-  }
-  placido_memory_free(text);
-  return status;
+  return status ? status : placido_disk_copy(path, instrument_path, err);
 }
 
 static int write_description(const char *folder, const placido_session_info *info,
@@ -78,7 +48,7 @@ static int write_description(const char *folder, const placido_session_info *inf
   if (!status) {
     status = placido_session_describe_save(info, path, err);
   }
-  return status ? status : synchronise(path, err);
+  return status ? status : placido_disk_sync(path, err);
 }
 
 static int check_arguments(const placido_session_info *info, const char *instrument_path,
@@ -89,6 +59,10 @@ static int check_arguments(const placido_session_info *info, const char *instrum
     return placido_error_set(err, PLACIDO_INPUT,
                              "a session holds grey frames of 8 or 16 bit (asked for: %d bits)",
                              info->bits);
+  }
+  if (info->codec >= PLACIDO_CODEC_OTHER) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "a session is recorded as ffv1, ffvhuff or raw, not in another codec");
   }
   placido_instrument instrument;
   return placido_instrument_load(&instrument, instrument_path, NULL, err);
@@ -106,7 +80,7 @@ static int fill_folder(placido_session_writer *writer, const placido_session_inf
   if (!status) {
     status = write_description(writer->folder, info, err);
   }
-  return status ? status : synchronise(writer->folder, err);
+  return status ? status : placido_disk_sync(writer->folder, err);
 }
 
 /* Removes a folder that holds nothing but what fill_folder makes. */
@@ -132,6 +106,7 @@ int placido_session_writer_create(placido_session_writer **writer, const char *p
   }
   created->format = info->format;
   created->rate_hz = info->rate_hz;
+  created->codec = info->codec;
   int status = check_arguments(info, instrument_path, err);
   if (!status && snprintf(created->folder, sizeof created->folder, "%s", path) >=
                      (int)sizeof created->folder) {
@@ -173,17 +148,19 @@ static int check_frame(const placido_session_writer *writer, const placido_frame
 
 static int start_video(placido_session_writer *writer, const placido_frame *first,
                        placido_error *err) {
+  const placido_video_options options = {
+      .codec = writer->codec, .rate_hz = writer->rate_hz, .origin_ns = first->t_ns};
   char path[PLACIDO_PATH_MAX];
   int status = placido_path_join(path, writer->folder, "frames.mkv", err);
   if (!status) {
-    status = placido_video_writer_open(&writer->video, path, first, writer->rate_hz, err);
+    status = placido_video_writer_open(&writer->video, path, &options, first, err);
   }
   writer->width_px = first->width_px;
   writer->height_px = first->height_px;
   return status;
 }
 
-/* Video and log go to the disk twice a second: what stands in the system's memory survives a crash
+/* Video and logs go to the disk twice a second: what stands in the system's memory survives a crash
  * of ours, but no power cut. */
 static int synchronise_frames(placido_session_writer *writer, placido_error *err) {
   struct timespec now = {0};
@@ -195,7 +172,10 @@ static int synchronise_frames(placido_session_writer *writer, placido_error *err
   }
   writer->synced = now;
   int status = placido_video_writer_sync(writer->video, err);
-  return status ? status : placido_lines_sync(&writer->frames, err);
+  if (!status) {
+    status = placido_lines_sync(&writer->frames, err);
+  }
+  return status ? status : placido_lines_sync(&writer->events, err);
 }
 
 int placido_session_writer_append(placido_session_writer *writer, const placido_frame *frame,
@@ -215,7 +195,9 @@ int placido_session_writer_append(placido_session_writer *writer, const placido_
                              .seq = frame->seq,
                              .exposure_us = frame_info ? frame_info->exposure_us : NAN,
                              .gain_db = frame_info ? frame_info->gain_db : NAN,
-                             .flags = frame->flags};
+                             .flags = frame->flags,
+                             .has_crc32 = true,
+                             .crc32 = placido_frame_checksum(frame)};
   status = placido_lines_append(&writer->frames, placido_frames_log_line(&line), err);
   return status ? status : synchronise_frames(writer, err);
 }

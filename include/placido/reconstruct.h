@@ -5,11 +5,16 @@
 
 #include <placido/mires.h>
 #include <placido/surface.h>
+#include <placido/uncertainty.h>
 
 /* Knobs of the fit; zero means the default in brackets. */
 typedef struct placido_fit_options {
   double axis_z_mm;       /* z of the cornea at x = y = 0 [0] */
   double axis_z_sigma_mm; /* its standard deviation; 0 means exactly known */
+  const placido_uncertainty *geometry; /* of the instrument, independent of axis_z; borrowed. NULL
+                             or without modes: its part of the error bars is not known */
+  int geometry_modes;     /* so many of its modes count, the strongest ones [all]; each costs about 1 %
+                             of the fit's time */
   double knot_mm;         /* knot spacing, 0.15 to 2; [0.5, or finer where residuals ask for it] */
   double smoothing;       /* weight of the third-derivative penalty [1000] */
   int steps_max;          /* Gauss-Newton steps [40] */
@@ -44,8 +49,26 @@ placido_fit_summary placido_fit_summary_get(const placido_fit *fit);
 
 /* Standard deviations at (x, y), 1 sigma: of z (micrometres) against its value on the axis, whose
  * own uncertainty is axis_z_sigma_mm, and of axial curvature (337.5 dioptres); from edge noise,
- * smoothing and the distance's uncertainty. NaN outside the disc. */
+ * smoothing and the uncertainty of distance and geometry. NaN outside the disc. */
 void placido_fit_sigma_at(const placido_fit *fit, double x_mm, double y_mm, double *sigma_z_um,
                           double *sigma_axial_D);
+
+/* What an error bar is made of: the squares of these add up to its square. */
+enum placido_sigma_source {
+  PLACIDO_SIGMA_NOISE,    /* of the edge points, with the smoothing */
+  PLACIDO_SIGMA_DISTANCE, /* axis_z_sigma_mm */
+  PLACIDO_SIGMA_GEOMETRY, /* the instrument's */
+  PLACIDO_SIGMA_SOURCES
+};
+
+typedef struct placido_sigma {
+  double z_um, axial_D;
+} placido_sigma;
+
+/* The error budget: each source's share of placido_fit_sigma_at, root mean square over the covered
+ * part of the central zone, a diameter in mm. The geometry's is NaN where nothing is known of it;
+ * all are NaN where nothing of the zone is covered. */
+void placido_fit_budget(const placido_fit *fit, double zone_mm,
+                        placido_sigma budget[PLACIDO_SIGMA_SOURCES]);
 
 #endif

@@ -6,6 +6,7 @@
 #include "reconstruct/maps/kinds.h"
 #include "reconstruct/median.h"
 #include "reconstruct/solve/conic.h"
+#include "reconstruct/solve/explain.h"
 #include "reconstruct/solve/mask.h"
 #include "reconstruct/solve/noise.h"
 #include "reconstruct/solve/outliers.h"
@@ -57,11 +58,22 @@ typedef struct progress {
   size_t count;
   placido_part conic;
   double vertex_z_mm, axis_z_mm, reach_mm;
+  double geometry_px; /* of the instrument's uncertainty, what no smooth surface follows */
   placido_surface *base;
   placido_refinement refinement;
+  const placido_instrument *instrument;
   const placido_fit_options *options;
   int threads;
 } progress;
+
+/* How many modes of the geometry's uncertainty count; 0: nothing is known of it. */
+static int modes_of(const placido_fit_options *options) {
+  if (!options || !options->geometry) {
+    return 0;
+  }
+  int all = options->geometry->mode_count, asked = options->geometry_modes;
+  return asked > 0 && asked < all ? asked : all;
+}
 
 /* The conicoid is found from every stride-th sample: it has four unknowns. */
 static int fit_base(progress *p, placido_error *err) {
@@ -90,6 +102,11 @@ static int fit_base(progress *p, placido_error *err) {
     if (fabs(s->residual_px) < FAR_PX) {
       p->reach_mm = fmax(p->reach_mm, fmax(fabs(s->hit.x), fabs(s->hit.y)));
     }
+  }
+  int modes = modes_of(p->options);
+  if (modes > 0) {
+    p->geometry_px = placido_geometry_rough(p->samples, p->count, p->mires, p->instrument,
+                                            p->options->geometry, modes);
   }
   if (!(p->reach_mm > 0.5) || p->reach_mm > RADIUS_MAX_MM) {
     return placido_error_set(err, PLACIDO_QUALITY,
@@ -147,6 +164,7 @@ static int explore(placido_refinement *coarse, placido_grid *grid, const progres
     coarse->shape.grid = grid;
     finer = (placido_refinement){0};
     double rough = placido_noise_rough(some, few, p->mires, EXPLORE_STRIDE, coarse->work);
+    rough = hypot(rough, p->geometry_px); /* finer knots would follow the edges' errors */
     if (coarse->sigma_px < MISFIT * rough) {
       break;
     }
@@ -293,6 +311,45 @@ static void summarise(placido_fit *fit, const progress *p) {
   fit->summary.condition = 1 / placido_normal_rcond(fit->normal);
 }
 
+/* Hands the normal equations over to the fit and takes its error bars from them. */
+static int find_errors(placido_fit *fit, progress *p, placido_error *err) {
+  const placido_fit_options *o = p->options;
+  const placido_refinement *r = &p->refinement;
+  placido_moves moves = {0};
+  int status = PLACIDO_OK, modes = modes_of(o);
+  if (modes > 0) {
+    status = placido_moves_new(&moves, r, p->mires, p->instrument, o->geometry, modes, err);
+    if (!status) {
+      status = placido_normal_outer(r->normal, moves.coefficients, modes, &fit->geometry, err);
+    }
+  }
+  if (!status) {
+    status = placido_noise_scale(&fit->variance_scale, r, p->mires, fit->geometry ? &moves : NULL,
+                                 err);
+  }
+  placido_moves_free(&moves);
+  fit->axis_z_sigma_mm = o ? o->axis_z_sigma_mm : 0;
+  fit->normal = p->refinement.normal;
+  p->refinement.normal = NULL;
+  return status ? status : placido_fit_covariance(fit, err);
+}
+
+static int check_options(const placido_fit_options *options, const placido_instrument *instrument,
+                         placido_error *err) {
+  double knot_mm = options ? options->knot_mm : 0;
+  if (knot_mm != 0 && !(knot_mm >= KNOT_LEAST_MM && knot_mm <= KNOT_MOST_MM)) {
+    return placido_error_set(err, PLACIDO_INPUT, "knots every %g mm, expected %g to %g mm", knot_mm,
+                             KNOT_LEAST_MM, KNOT_MOST_MM);
+  }
+  const placido_uncertainty *geometry = options ? options->geometry : NULL;
+  if (geometry && geometry->mode_count > 0 && geometry->edge_count != instrument->edge_count) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "the geometry's uncertainty is of %d edges, the instrument has %d",
+                             geometry->edge_count, instrument->edge_count);
+  }
+  return PLACIDO_OK;
+}
+
 int placido_fit_new(placido_fit **fit, placido_mires *mires,
                     const placido_instrument *instrument, const placido_fit_options *options,
                     placido_notes *notes, placido_error *err) {
@@ -300,28 +357,23 @@ int placido_fit_new(placido_fit **fit, placido_mires *mires,
   progress p = {.mires = mires,
                 .count = mires->count,
                 .axis_z_mm = options ? options->axis_z_mm : 0,
+                .instrument = instrument,
                 .options = options,
                 .threads = options && options->threads > 0 ? options->threads : 1};
   if (mires->count < POINTS_MIN) {
     return placido_error_set(err, PLACIDO_QUALITY, "only %zu edge points, at least %d are needed",
                              mires->count, POINTS_MIN);
   }
-  double knot_mm = options ? options->knot_mm : 0;
-  if (knot_mm != 0 && !(knot_mm >= KNOT_LEAST_MM && knot_mm <= KNOT_MOST_MM)) {
-    return placido_error_set(err, PLACIDO_INPUT, "knots every %g mm, expected %g to %g mm", knot_mm,
-                             KNOT_LEAST_MM, KNOT_MOST_MM);
+  int status = check_options(options, instrument, err);
+  placido_fit *f = status ? NULL : placido_memory_new(1, sizeof *f, err);
+  if (!status && !f) {
+    status = PLACIDO_MEMORY;
   }
-  placido_fit *f = placido_memory_new(1, sizeof *f, err);
-  int status = f ? PLACIDO_OK : PLACIDO_MEMORY;
   if (status || (status = placido_samples_new(&p.samples, mires, instrument, p.axis_z_mm, err)) ||
       (status = fit_base(&p, err)) || (status = fit_robust(&p, &f->grid, notes, err))) {
     goto done;
   }
-  f->axis_z_sigma_mm = options ? options->axis_z_sigma_mm : 0;
-  f->normal = p.refinement.normal;
-  p.refinement.normal = NULL;
-  f->variance_scale = placido_noise_inflation(p.samples, p.count, p.mires);
-  if ((status = placido_fit_covariance(f, err)) || (status = build_surface(f, &p, err)) ||
+  if ((status = find_errors(f, &p, err)) || (status = build_surface(f, &p, err)) ||
       (status = check_power(f->surface, err))) {
     goto done;
   }

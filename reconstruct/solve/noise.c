@@ -31,13 +31,13 @@ double placido_noise_rough(const placido_sample *samples, size_t count,
   return 1.4826 * placido_quantile(work, n, 0.5) / M_SQRT2;
 }
 
-double placido_noise_inflation(const placido_sample *samples, size_t count,
-                               const placido_mires *mires) {
+double placido_noise_inflation(const placido_sample *samples, const double *residual_px,
+                               size_t count, const placido_mires *mires) {
   double variance = 0;
   size_t used = 0;
   for (size_t i = 0; i < count; i++) {
     if (samples[i].used && !isnan(samples[i].residual_px)) {
-      variance += samples[i].residual_px * samples[i].residual_px;
+      variance += residual_px[i] * residual_px[i];
       used++;
     }
   }
@@ -48,7 +48,7 @@ double placido_noise_inflation(const placido_sample *samples, size_t count,
     for (size_t i = 0; i < count; i++) {
       for (size_t j = i + 1; j <= i + (size_t)lag && j < count; j++) {
         if (neighbours(samples, i, j, lag, mires)) {
-          sum += samples[i].residual_px * samples[j].residual_px;
+          sum += residual_px[i] * residual_px[j];
           pairs++;
           break;
         }

@@ -11,8 +11,9 @@ double placido_noise_rough(const placido_sample *samples, size_t count,
                            const placido_mires *mires, int stride, double *work);
 
 /* Factor by which the variance of a smooth surface grows because neighbouring residuals of an
- * edge resemble each other: 1 + 2 Σ autocorrelation, at least 1. */
-double placido_noise_inflation(const placido_sample *samples, size_t count,
-                               const placido_mires *mires);
+ * edge resemble each other: 1 + 2 Σ autocorrelation, at least 1. `residual_px` are the samples'
+ * residuals, or a part of them. */
+double placido_noise_inflation(const placido_sample *samples, const double *residual_px,
+                               size_t count, const placido_mires *mires);
 
 #endif

@@ -203,11 +203,12 @@ static void scale_diagonal(placido_normal *n, double factor) {
   }
 }
 
-int placido_normal_solve_more(placido_normal *normal, const double *right, double *x,
+int placido_normal_solve_more(placido_normal *normal, const double *right, int count, double *x,
                               placido_error *err) {
+  size_t numbers = (size_t)normal->count * (size_t)count;
   cholmod_dense b = {.nrow = (size_t)normal->count,
-                     .ncol = 1,
-                     .nzmax = (size_t)normal->count,
+                     .ncol = (size_t)count,
+                     .nzmax = numbers,
                      .d = (size_t)normal->count,
                      .x = (void *)right,
                      .xtype = CHOLMOD_REAL,
@@ -216,7 +217,7 @@ int placido_normal_solve_more(placido_normal *normal, const double *right, doubl
   if (!solution) {
     return placido_error_set(err, PLACIDO_MEMORY, "out of memory for the normal equations");
   }
-  for (int i = 0; i < normal->count; i++) {
+  for (size_t i = 0; i < numbers; i++) {
     x[i] = ((double *)solution->x)[i];
   }
   cholmod_free_dense(&solution, &normal->common);
@@ -233,7 +234,7 @@ int placido_normal_solve(placido_normal *normal, double damping, double *step,
                              "the mires do not determine the surface: the normal equations are "
                              "singular");
   }
-  return placido_normal_solve_more(normal, normal->right, step, err);
+  return placido_normal_solve_more(normal, normal->right, 1, step, err);
 }
 
 double placido_normal_rcond(placido_normal *normal) {
@@ -338,6 +339,24 @@ int placido_normal_inverse(placido_normal *normal, double **inverse, placido_err
   placido_memory_free(work);
   placido_memory_free(position);
   return status;
+}
+
+int placido_normal_outer(const placido_normal *normal, const double *x, int count,
+                         double **outer, placido_error *err) {
+  const int *p = normal->matrix->p, *rows = normal->matrix->i;
+  double *sum = *outer = placido_memory_new((size_t)p[normal->count], sizeof *sum, err);
+  if (!sum) {
+    return PLACIDO_MEMORY;
+  }
+  for (int k = 0; k < count; k++) {
+    const double *v = x + (size_t)k * (size_t)normal->count;
+    for (int column = 0; column < normal->count; column++) {
+      for (int e = p[column]; e < p[column + 1]; e++) {
+        sum[e] += v[column] * v[rows[e]];
+      }
+    }
+  }
+  return PLACIDO_OK;
 }
 
 double placido_normal_variance(const placido_normal *normal, const double *inverse, int column,

@@ -34,8 +34,9 @@ double placido_normal_roughness(const placido_normal *normal, const double *coef
 int placido_normal_solve(placido_normal *normal, double damping, double *step,
                          placido_error *err);
 
-/* Solves with the last factor for another right-hand side. */
-int placido_normal_solve_more(placido_normal *normal, const double *right, double *x,
+/* Solves with the last factor for `count` more right-hand sides, one after the other in `right` as
+ * the solutions in `x`. */
+int placido_normal_solve_more(placido_normal *normal, const double *right, int count, double *x,
                               placido_error *err);
 
 /* CHOLMOD's estimate of the reciprocal condition number of the last factor. */
@@ -45,6 +46,11 @@ double placido_normal_rcond(placido_normal *normal);
  * Fagan and Chen 1973): all that the variance of a point of the spline needs. `inverse` receives
  * a new array, to be read by placido_normal_variance. Free with placido_memory_free. */
 int placido_normal_inverse(placido_normal *normal, double **inverse, placido_error *err);
+
+/* Σ x xᵀ over `count` vectors of coefficients that stand one after the other in `x`, at the
+ * matrix's pattern like an inverse. Free with placido_memory_free. */
+int placido_normal_outer(const placido_normal *normal, const double *x, int count,
+                         double **outer, placido_error *err);
 
 /* vᵀ inverse v for a vector v over the cell's coefficients. */
 double placido_normal_variance(const placido_normal *normal, const double *inverse, int column,

@@ -123,12 +123,8 @@ static size_t *sort_by_cell(placido_refinement *r) {
   return starts;
 }
 
-/* Adds one sample's row to a cell's block (lower triangle) and right-hand side. */
-static void add_row(double *block, const placido_sample *s, double sigma_px) {
-  double row[CELL], *right = block + CELL * CELL;
+double placido_sample_row(double row[CELL], const placido_sample *s, double sigma_px) {
   double slope = s->slope * sigma_px;
-  double residual = s->residual_px / sigma_px, x = residual / HUBER;
-  double weight = 1 / sqrt(1 + x * x);
   double a = s->miss.by_z / slope, b = s->miss.by_p / slope, c = s->miss.by_q / slope;
   for (int j = 0, k = 0; j < PLACIDO_SPLINE_ORDER; j++) {
     double value = a * s->basis.y[0][j] + c * s->basis.y[1][j], across = b * s->basis.y[0][j];
@@ -136,6 +132,14 @@ static void add_row(double *block, const placido_sample *s, double sigma_px) {
       row[k] = value * s->basis.x[0][i] + across * s->basis.x[1][i];
     }
   }
+  double x = s->residual_px / sigma_px / HUBER;
+  return 1 / sqrt(1 + x * x);
+}
+
+/* Adds one sample's row to a cell's block (lower triangle) and right-hand side. */
+static void add_row(double *block, const placido_sample *s, double sigma_px) {
+  double row[CELL], *right = block + CELL * CELL;
+  double weight = placido_sample_row(row, s, sigma_px), residual = s->residual_px / sigma_px;
   for (int i = 0; i < CELL; i++) {
     double left = weight * row[i], *line = block + i * CELL;
     right[i] -= left * residual;
@@ -196,6 +200,7 @@ static int descend(placido_refinement *r, double *step, double *fell, placido_er
   *fell = 0;
   for (int attempt = 0; attempt < 8; attempt++) {
     int status = placido_normal_solve(r->normal, damping, step, err);
+    r->damped = damping > 0;
     if (status) {
       return status;
     }
@@ -238,6 +243,11 @@ int placido_refinement_run(placido_refinement *r, double settled, placido_error 
   if (!status && !(fell < 10 * settled)) {
     status = placido_error_set(err, PLACIDO_QUALITY,
                                "the surface did not settle within %d steps", r->steps_max);
+  }
+  if (!status && r->damped) {
+    /* a damped factor would make error bars of it that are far too small */
+    status = placido_normal_solve(r->normal, 0, step, err);
+    r->damped = false;
   }
   placido_memory_free(step);
   return status;

@@ -15,6 +15,7 @@ typedef struct placido_refinement {
   double *coefficients; /* what shape.coefficients points to; whoever sets them clears `traced` */
   bool traced;          /* the samples' residuals are those of the coefficients */
   placido_normal *normal;
+  bool damped;          /* the normal matrix's factor is that of a damped step */
   placido_sample *samples;
   size_t count;
   double smoothing;
@@ -32,8 +33,13 @@ int placido_refinement_new(placido_refinement *r, const placido_surface *base,
                            double smoothing, int steps_max, int threads, placido_error *err);
 void placido_refinement_free(placido_refinement *r);
 
+/* A sample's row of the Jacobian over its cell's coefficients, residuals in sigmas. Returns its
+ * weight, which the robust loss makes less than 1 for an outlier. */
+double placido_sample_row(double row[PLACIDO_SPLINE_CELL], const placido_sample *sample,
+                          double sigma_px);
+
 /* Iterates until the cost falls by less than the share `settled` in a step and the residuals'
- * spread stays. Leaves in `normal` the matrix and factor of the last step, for the error bars.
+ * spread stays. Leaves in `normal` the matrix and its undamped factor, for the error bars.
  * PLACIDO_QUALITY where it does not settle. */
 int placido_refinement_run(placido_refinement *r, double settled, placido_error *err);
 

@@ -1,4 +1,4 @@
-/* What a fit leaves: the surface, and the covariance that its error bars come from. */
+/* What a fit leaves: the surface, and the covariances that its error bars come from. */
 #ifndef PLACIDO_SOLVE_RESULT_H
 #define PLACIDO_SOLVE_RESULT_H
 
@@ -12,6 +12,7 @@ struct placido_fit {
   placido_normal *normal;
   double *inverse;      /* covariance of the coefficients at the normal matrix's pattern */
   double *by_distance;  /* d coefficients / d axis_z */
+  double *geometry;     /* covariance from the instrument, as `inverse`; NULL: not known */
   double variance_scale, axis_z_sigma_mm;
   placido_fit_summary summary;
 };

@@ -54,7 +54,13 @@ placido_session_info recording_info(enum placido_format format, int bits) {
 
 void recording_make(const char *path, int count, enum placido_format format, int bits,
                     int width_px, int height_px) {
+  recording_make_in(PLACIDO_CODEC_FFV1, path, count, format, bits, width_px, height_px);
+}
+
+void recording_make_in(enum placido_session_codec codec, const char *path, int count,
+                       enum placido_format format, int bits, int width_px, int height_px) {
   placido_session_info info = recording_info(format, bits);
+  info.codec = codec;
   placido_session_writer *writer;
   placido_frame frame = {0};
   placido_error err = {0};

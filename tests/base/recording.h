@@ -19,8 +19,10 @@ void recording_assert_frame(const placido_frame *frame, int index, enum placido_
 /* A session's info of a format, else not recorded. */
 placido_session_info recording_info(enum placido_format format, int bits);
 
-/* Records `count` frames into a new session and closes it. */
+/* Records `count` frames into a new session and closes it. The second stores them in a codec. */
 void recording_make(const char *path, int count, enum placido_format format, int bits,
                     int width_px, int height_px);
+void recording_make_in(enum placido_session_codec codec, const char *path, int count,
+                       enum placido_format format, int bits, int width_px, int height_px);
 
 #endif

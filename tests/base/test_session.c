@@ -1,6 +1,7 @@
 /* What is recorded comes back: every sample, every time, every word of the description. */
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/session/checksum.h"
 #include "tests/base/recording.h"
 #include "tests/base/scratch.h"
 
@@ -24,6 +25,32 @@ static placido_session_reader *open_session(const char *path, placido_notes *not
   return reader;
 }
 
+static const enum placido_session_codec codecs[] = {PLACIDO_CODEC_FFV1, PLACIDO_CODEC_FFVHUFF,
+                                                    PLACIDO_CODEC_RAW};
+enum { CODECS = sizeof codecs / sizeof *codecs };
+
+/* Records five frames and reads them. */
+static void expect_frames_back(const char *path, enum placido_session_codec codec,
+                               enum placido_format format, int bits, int width_px,
+                               int height_px) {
+  placido_frame frame = {0};
+  placido_notes notes = {0};
+  recording_make_in(codec, path, 5, format, bits, width_px, height_px);
+  placido_session_reader *reader = open_session(path, &notes);
+  assert_int_equal(notes.count, 0);
+  assert_int_equal(placido_session_reader_info(reader)->codec, codec);
+  for (int n = 0; n < 5; n++) {
+    assert_int_equal(placido_session_reader_next(reader, &frame, NULL), PLACIDO_OK);
+    recording_assert_frame(&frame, n, format, bits, width_px, height_px);
+    assert_int_equal(frame.t_ns, 5000000123 + (int64_t)n * 40000007);
+    assert_int_equal(frame.seq, 1000 + n);
+  }
+  assert_int_equal(placido_session_reader_next(reader, &frame, NULL), PLACIDO_END);
+  assert_int_equal(placido_session_reader_next(reader, &frame, NULL), PLACIDO_END);
+  placido_session_reader_close(reader);
+  placido_frame_free(&frame);
+}
+
 static void samples_times_and_counters_come_back(void **state) {
   static const struct {
     enum placido_format format;
@@ -32,34 +59,19 @@ static void samples_times_and_counters_come_back(void **state) {
                {PLACIDO_MONO16, 12, 70, 33},  {PLACIDO_MONO16, 10, 4, 4},
                {PLACIDO_MONO8, 8, 333, 257},  {PLACIDO_MONO8, 8, 5, 2000},
                {PLACIDO_MONO8, 8, 1280, 1024}};
-  placido_frame frame = {0};
-  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+  for (size_t i = 0; i < CODECS * sizeof cases / sizeof *cases; i++) {
     char name[32];
     snprintf(name, sizeof name, "%zu:a.session", i); /* a colon is no protocol */
     char *path = scratch_path(state, name);
-    placido_notes notes = {0};
-    recording_make(path, 5, cases[i].format, cases[i].bits, cases[i].width_px,
-                   cases[i].height_px);
-    placido_session_reader *reader = open_session(path, &notes);
-    assert_int_equal(notes.count, 0);
-    for (int n = 0; n < 5; n++) {
-      assert_int_equal(placido_session_reader_next(reader, &frame, NULL), PLACIDO_OK);
-      recording_assert_frame(&frame, n, cases[i].format, cases[i].bits, cases[i].width_px,
-                             cases[i].height_px);
-      assert_int_equal(frame.t_ns, 5000000123 + (int64_t)n * 40000007);
-      assert_int_equal(frame.seq, 1000 + n);
-    }
-    assert_int_equal(placido_session_reader_next(reader, &frame, NULL), PLACIDO_END);
-    assert_int_equal(placido_session_reader_next(reader, &frame, NULL), PLACIDO_END);
-    placido_session_reader_close(reader);
+    expect_frames_back(path, codecs[i % CODECS], cases[i / CODECS].format, cases[i / CODECS].bits,
+                       cases[i / CODECS].width_px, cases[i / CODECS].height_px);
     free(path);
   }
-  placido_frame_free(&frame);
 }
 
 static void rewinding_gives_the_first_frame_again(void **state) {
   char *path = scratch_path(state, "a.session");
-  recording_make(path, 3, PLACIDO_MONO8, 8, 32, 16);
+  recording_make_in(PLACIDO_CODEC_RAW, path, 3, PLACIDO_MONO8, 8, 32, 16);
   placido_session_reader *reader = open_session(path, NULL);
   placido_frame frame = {0};
   for (int round = 0; round < 3; round++) {
@@ -161,7 +173,8 @@ static void the_logs_and_the_instrument_are_plain_files(void **state) {
   char *instrument = text_of(path, "instrument.json");
   char *original = text_of(PLACIDO_TEST_DATA "/samples", "normal.instrument.json");
   assert_string_equal(frames, "{\"index\":0,\"timestamp_ns\":5000000123,\"sequence\":1000,"
-                              "\"exposure_us\":1500.5,\"gain_db\":null,\"flags\":1}\n");
+                              "\"exposure_us\":1500.5,\"gain_db\":null,\"flags\":1,"
+                              "\"crc32\":3160323885}\n");
   assert_string_equal(events, "{\"t_ns\":77,\"event\":\"trigger\"}\n"
                               "{\"t_ns\":78,\"event\":\"note\",\"text\":\"a \\\"b\\\"\"}\n");
   assert_string_equal(instrument, original);
@@ -222,6 +235,35 @@ static void times_that_stand_still_do_not_stop_the_recording(void **state) {
   }
   placido_session_reader_close(reader);
   placido_frame_free(&frame);
+  free(path);
+}
+
+/* The reference is zlib's crc32 of the same bytes, as Python has it. */
+static void the_checksum_is_of_the_rows_without_padding(void **state) {
+  static const uint16_t wide[] = {0x0102, 0xfffe};
+  uint8_t narrow[] = {1, 2, 99, 3, 4, 99}, bytes[sizeof wide];
+  (void)state;
+  memcpy(bytes, wide, sizeof wide);
+  const placido_frame padded = {
+      .width_px = 2, .height_px = 2, .stride_bytes = 3, .format = PLACIDO_MONO8, .data = narrow};
+  const placido_frame two = {
+      .width_px = 2, .height_px = 1, .stride_bytes = 4, .format = PLACIDO_MONO16, .data = bytes};
+  assert_int_equal(placido_frame_checksum(&padded), 0xb63cfbcd);
+  assert_int_equal(placido_frame_checksum(&two), 0x2db25e1e);
+}
+
+static void other_codecs_are_not_recorded(void **state) {
+  char *path = scratch_path(state, "a.session");
+  placido_session_info info = recording_info(PLACIDO_MONO8, 8);
+  placido_session_writer *writer;
+  placido_error err = {0};
+  info.codec = PLACIDO_CODEC_OTHER;
+  assert_int_equal(
+      placido_session_writer_create(&writer, path, &info, RECORDING_INSTRUMENT, &err),
+      PLACIDO_INPUT);
+  assert_null(writer);
+  assert_string_equal(err.text,
+                      "a session is recorded as ffv1, ffvhuff or raw, not in another codec");
   free(path);
 }
 
@@ -324,6 +366,8 @@ int main(void) {
       TEST(the_logs_and_the_instrument_are_plain_files),
       TEST(a_frame_of_another_kind_is_refused),
       TEST(times_that_stand_still_do_not_stop_the_recording),
+      TEST(the_checksum_is_of_the_rows_without_padding),
+      TEST(other_codecs_are_not_recorded),
       TEST(a_session_is_never_written_over),
       TEST(every_allocation_of_reading_may_fail),
       TEST(every_allocation_of_writing_may_fail),

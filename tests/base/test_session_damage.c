@@ -18,10 +18,28 @@
 
 enum { FRAMES = 6, WIDTH = 64, HEIGHT = 48 };
 
+static const enum placido_session_codec codecs[] = {PLACIDO_CODEC_FFV1, PLACIDO_CODEC_FFVHUFF,
+                                                    PLACIDO_CODEC_RAW};
+enum { CODECS = sizeof codecs / sizeof *codecs };
+
 /* Records a session of FRAMES frames called a.session. */
 static char *record(void **state) {
   char *path = scratch_path(state, "a.session");
   recording_make(path, FRAMES, PLACIDO_MONO8, 8, WIDTH, HEIGHT);
+  return path;
+}
+
+/* The same in a codec, in the place of one that may be there. */
+static char *record_in(void **state, enum placido_session_codec codec) {
+  static const char *const names[] = {"session.json", "instrument.json", "frames.mkv",
+                                      "frames.jsonl", "events.jsonl"};
+  char *path = scratch_path(state, "a.session"), file[PLACIDO_PATH_MAX];
+  for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    assert_int_equal(placido_path_join(file, path, names[i], NULL), PLACIDO_OK);
+    unlink(file);
+  }
+  rmdir(path);
+  recording_make_in(codec, path, FRAMES, PLACIDO_MONO8, 8, WIDTH, HEIGHT);
   return path;
 }
 
@@ -60,60 +78,125 @@ static int count_true_frames(placido_session_reader *reader, int *damaged) {
   return count;
 }
 
-static void a_torn_video_gives_its_whole_frames_and_one_note(void **state) {
-  char *path = record(state);
-  size_t size;
-  char *video = take(state, "frames.mkv", &size);
-  int most = 0;
-  for (size_t kept = size - 1; kept > 0; kept -= kept > size / 40 ? size / 40 : 1) {
-    placido_notes notes = {0};
-    placido_session_reader *reader;
-    put(state, "frames.mkv", video, kept);
-    int status = placido_session_reader_open(&reader, path, &notes, NULL);
-    if (!status) {
-      int damaged, count = count_true_frames(reader, &damaged);
-      assert_int_equal(damaged, 0);
-      assert_int_equal(notes.count, 1);
-      assert_non_null(strstr(notes.lines[0], "frames.mkv has no proper end"));
-      /* Noise does not compress: a frame fills about its share of the file. */
-      assert_true(count >= (int)((double)kept / (double)size * FRAMES) - 1);
-      most = count > most ? count : most;
-    } else {
-      assert_int_equal(status, PLACIDO_INPUT);
-      assert_true(kept < size / FRAMES);
-    }
-    placido_notes_clear(&notes);
-    placido_session_reader_close(reader);
+/* Opens what is left of the video and counts its frames, which must be about its share. */
+static int count_torn(const char *path, size_t kept, size_t size) {
+  placido_notes notes = {0};
+  placido_session_reader *reader;
+  int count = 0, status = placido_session_reader_open(&reader, path, &notes, NULL);
+  if (!status) {
+    int damaged;
+    count = count_true_frames(reader, &damaged);
+    assert_int_equal(damaged, 0);
+    assert_int_equal(notes.count, 1);
+    assert_non_null(strstr(notes.lines[0], "frames.mkv has no proper end"));
+    /* Noise does not compress: a frame fills about its share of the file. */
+    assert_true(count >= (int)((double)kept / (double)size * FRAMES) - 1);
+  } else {
+    assert_int_equal(status, PLACIDO_INPUT);
+    assert_true(kept < size / FRAMES);
   }
-  assert_int_equal(most, FRAMES);
-  placido_memory_free(video);
-  free(path);
+  placido_notes_clear(&notes);
+  placido_session_reader_close(reader);
+  return count;
 }
 
+static void a_torn_video_gives_its_whole_frames_and_one_note(void **state) {
+  for (int i = 0; i < CODECS; i++) {
+    char *path = record_in(state, codecs[i]);
+    size_t size;
+    char *video = take(state, "frames.mkv", &size);
+    int most = 0;
+    for (size_t kept = size - 1; kept > 0; kept -= kept > size / 101 ? size / 101 : 1) {
+      put(state, "frames.mkv", video, kept);
+      int count = count_torn(path, kept, size);
+      most = count > most ? count : most;
+    }
+    assert_int_equal(most, FRAMES);
+    placido_memory_free(video);
+    free(path);
+  }
+}
+
+/* In every codec: FFV1 by its own checksums, the others by that of frames.jsonl. */
 static void a_damaged_frame_is_told_and_the_next_ones_follow(void **state) {
-  char *path = record(state);
-  size_t size;
-  char *video = take(state, "frames.mkv", &size);
-  int hit = 0;
-  for (size_t at = size / 5; at < size - size / 5; at += size / 23) {
-    placido_session_reader *reader;
-    video[at] ^= 0x10;
+  for (int i = 0; i < CODECS; i++) {
+    char *path = record_in(state, codecs[i]);
+    size_t size;
+    char *video = take(state, "frames.mkv", &size);
+    int hit = 0;
+    for (size_t at = size / 5; at < size - size / 5; at += size / 23) {
+      placido_session_reader *reader;
+      video[at] ^= 0x10;
+      put(state, "frames.mkv", video, size);
+      assert_int_equal(placido_session_reader_open(&reader, path, NULL, NULL), PLACIDO_OK);
+      int damaged, count = count_true_frames(reader, &damaged);
+      assert_true(count >= FRAMES - 1);
+      hit += damaged == 1 && count == FRAMES - 1;
+      placido_session_reader_close(reader);
+      video[at] ^= 0x10;
+    }
+    assert_true(hit >= 10);
+    placido_memory_free(video);
+    free(path);
+  }
+}
+
+/* Where the demuxer skips a frame without a trace, the frames behind it keep their numbers, times
+ * and counters all the same. */
+static void frames_behind_a_lost_one_keep_their_numbers(void **state) {
+  for (int i = 0; i < CODECS; i++) {
+    char *path = record_in(state, codecs[i]);
+    size_t size;
+    char *video = take(state, "frames.mkv", &size);
+    const char cluster[] = {0x1f, 0x43, (char)0xb6, 0x75};
+    int seen = 0;
+    for (size_t at = 0; at + sizeof cluster < size; at++) {
+      seen += memcmp(video + at, cluster, sizeof cluster) == 0;
+      if (seen == 2) {
+        memset(video + at, 0, 256); /* its head, and the block's */
+        break;
+      }
+    }
     put(state, "frames.mkv", video, size);
+    placido_session_reader *reader;
     assert_int_equal(placido_session_reader_open(&reader, path, NULL, NULL), PLACIDO_OK);
     int damaged, count = count_true_frames(reader, &damaged);
-    assert_true(count >= FRAMES - 1);
-    hit += damaged == 1 && count == FRAMES - 1;
+    assert_true(count < FRAMES && count >= FRAMES - 3); /* 256 bytes are less than three */
+    assert_int_equal(count + damaged, FRAMES);
+    assert_int_equal(placido_session_reader_frame_info(reader).index, FRAMES - 1);
     placido_session_reader_close(reader);
-    video[at] ^= 0x10;
+    placido_memory_free(video);
+    free(path);
   }
-  assert_true(hit >= 10);
-  placido_memory_free(video);
+}
+
+/* A log that ends in mid-line: the times go on by the video's, to its millisecond. */
+static void times_go_on_behind_a_torn_log(void **state) {
+  char *path = record(state);
+  size_t size;
+  char *log = take(state, "frames.jsonl", &size);
+  placido_frame frame = {0};
+  for (size_t kept = size - 2; kept > size / FRAMES; kept -= size / 101 + 1) {
+    placido_session_reader *reader;
+    put(state, "frames.jsonl", log, kept);
+    assert_int_equal(placido_session_reader_open(&reader, path, NULL, NULL), PLACIDO_OK);
+    for (int i = 0; i < FRAMES; i++) {
+      assert_int_equal(placido_session_reader_next(reader, &frame, NULL), PLACIDO_OK);
+      recording_assert_frame(&frame, i, PLACIDO_MONO8, 8, WIDTH, HEIGHT);
+      assert_int_equal(frame.seq, 1000 + i);
+      assert_true(llabs(frame.t_ns - (5000000123 + i * 40000007LL)) <= 1000000);
+    }
+    placido_session_reader_close(reader);
+  }
+  placido_frame_free(&frame);
+  placido_memory_free(log);
   free(path);
 }
 
 /* Records without an end, as a process that is killed does. */
-static void record_and_vanish(const char *path, int count) {
+static void record_and_vanish(const char *path, enum placido_session_codec codec, int count) {
   placido_session_info info = recording_info(PLACIDO_MONO8, 8);
+  info.codec = codec;
   placido_session_writer *writer;
   placido_frame frame = {0};
   int status =
@@ -125,17 +208,7 @@ static void record_and_vanish(const char *path, int count) {
   _exit(status ? 1 : 0);
 }
 
-static void a_crash_costs_at_most_the_last_second(void **state) {
-  enum { RECORDED = 100, PER_SECOND = 25 };
-  char *path = scratch_path(state, "a.session");
-  pid_t child = fork();
-  assert_true(child >= 0);
-  if (child == 0) {
-    record_and_vanish(path, RECORDED);
-  }
-  int ended;
-  assert_int_equal(waitpid(child, &ended, 0), child);
-  assert_true(WIFEXITED(ended) && WEXITSTATUS(ended) == 0);
+static int count_after_crash(const char *path) {
   placido_notes notes = {0};
   placido_session_reader *reader;
   placido_frame frame = {0};
@@ -147,11 +220,29 @@ static void a_crash_costs_at_most_the_last_second(void **state) {
     assert_int_equal(frame.seq, 1000 + count);
     count++;
   }
-  assert_true(count >= RECORDED - PER_SECOND);
   placido_frame_free(&frame);
   placido_notes_clear(&notes);
   placido_session_reader_close(reader);
-  free(path);
+  return count;
+}
+
+static void a_crash_costs_at_most_the_last_second(void **state) {
+  enum { RECORDED = 100, PER_SECOND = 25 };
+  for (int i = 0; i < CODECS; i++) {
+    char name[16];
+    snprintf(name, sizeof name, "%d.session", i);
+    char *path = scratch_path(state, name);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+      record_and_vanish(path, codecs[i], RECORDED);
+    }
+    int ended;
+    assert_int_equal(waitpid(child, &ended, 0), child);
+    assert_true(WIFEXITED(ended) && WEXITSTATUS(ended) == 0);
+    assert_true(count_after_crash(path) >= RECORDED - PER_SECOND);
+    free(path);
+  }
 }
 
 static void a_missing_part_is_named(void **state) {
@@ -260,9 +351,9 @@ static void bad_lines_of_the_log_are_noted_and_ignored(void **state) {
   assert_int_equal(frame.t_ns, 77);
   assert_int_equal(frame.seq, 5);
   assert_int_equal(placido_session_reader_next(reader, &frame, NULL), PLACIDO_OK);
-  /* Without a line: the frame's number, and the stream's time since its start, in whole ms. */
-  assert_int_equal(frame.seq, 2);
-  assert_int_equal(frame.t_ns, 80000000);
+  /* Without a line: on from the last one, by the stream's time in whole ms. */
+  assert_int_equal(frame.seq, 6);
+  assert_int_equal(frame.t_ns, 77 + 40000000);
   placido_frame_free(&frame);
   placido_notes_clear(&notes);
   placido_session_reader_close(reader);
@@ -290,6 +381,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       TEST(a_torn_video_gives_its_whole_frames_and_one_note),
       TEST(a_damaged_frame_is_told_and_the_next_ones_follow),
+      TEST(frames_behind_a_lost_one_keep_their_numbers),
+      TEST(times_go_on_behind_a_torn_log),
       TEST(a_crash_costs_at_most_the_last_second),
       TEST(a_missing_part_is_named),
       TEST(what_is_no_session_is_refused),

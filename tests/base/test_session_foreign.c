@@ -1,6 +1,7 @@
 /* A session whose video the ffmpeg program wrote, with nothing but a hand-written session.json and
  * an instrument beside it, opens and gives ffmpeg's samples. */
 #include "base/file.h"
+#include "base/session/archive.h"
 #include "tests/base/recording.h"
 #include "tests/base/scratch.h"
 
@@ -66,6 +67,11 @@ static void every_lossless_grey_codec_is_read(void **state) {
       {"gray", "ffv1 -level 3 -slicecrc 0", PLACIDO_MONO8, 8, BARE},
       {"gray", "ffvhuff", PLACIDO_MONO8, 8, BARE},
       {"gray", "rawvideo", PLACIDO_MONO8, 8, BARE},
+      {"gray", "ffvhuff -context 1 -pred median", PLACIDO_MONO8, 8, BARE},
+      {"gray", "png", PLACIDO_MONO8, 8, BARE},
+      {"gray10le", "rawvideo -strict -1", PLACIDO_MONO16, 10, BARE},
+      {"gray12le", "rawvideo -strict -1", PLACIDO_MONO16, 12, BARE},
+      {"gray16le", "rawvideo -strict -1", PLACIDO_MONO16, 16, BARE},
       {"gray10le", "ffv1", PLACIDO_MONO16, 10, BARE},
       {"gray12le", "ffv1", PLACIDO_MONO16, 12, BARE},
       {"gray16le", "ffv1", PLACIDO_MONO16, 16, BARE},
@@ -96,6 +102,49 @@ static void every_lossless_grey_codec_is_read(void **state) {
       assert_int_equal(frame.t_ns, n * 40000000);
     }
     assert_int_equal(placido_session_reader_next(reader, &frame, NULL), PLACIDO_END);
+    placido_frame_free(&frame);
+    placido_session_reader_close(reader);
+    free(path);
+  }
+}
+
+/* Without a log, the depth of the samples and the times are the video's own. */
+static void a_foreign_session_is_packed_as_it_is(void **state) {
+  static const struct {
+    const char *pixels, *encoder;
+    int bits;
+  } cases[] = {{"gray10le", "rawvideo -strict -1", 10},
+               {"gray12le", "rawvideo -strict -1", 12},
+               {"gray16le", "ffvhuff", 16},
+               {"gray16le", "ffv1 -level 3 -slicecrc 0", 16}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    char *path =
+        make_session(state, cases[i].pixels, cases[i].encoder, PLACIDO_MONO16, cases[i].bits, BARE);
+    if (!path) {
+      skip();
+    }
+    placido_pack_summary summary;
+    placido_session_reader *reader;
+    placido_frame frame = {0};
+    placido_directory workshop;
+    placido_error err = {0};
+    int lock;
+    assert_int_equal(placido_pack_begin(&lock, &workshop, path, NULL), PLACIDO_OK);
+    if (placido_pack_video(&summary, path, workshop.temporary, &err)) {
+      fail_msg("%s %s: %s", cases[i].pixels, cases[i].encoder, err.text);
+    }
+    assert_int_equal(placido_pack_commit(&workshop, path, NULL), PLACIDO_OK);
+    placido_directory_discard(&workshop);
+    placido_pack_end(lock);
+    assert_int_equal(placido_session_reader_open(&reader, path, NULL, NULL), PLACIDO_OK);
+    assert_int_equal(placido_session_reader_info(reader)->codec, PLACIDO_CODEC_FFV1);
+    assert_int_equal(placido_session_reader_info(reader)->bits, cases[i].bits);
+    assert_float_equal(placido_session_reader_info(reader)->rate_hz, 25, 1e-9);
+    for (int n = 0; n < FRAMES; n++) {
+      assert_int_equal(placido_session_reader_next(reader, &frame, NULL), PLACIDO_OK);
+      recording_assert_frame(&frame, n, PLACIDO_MONO16, cases[i].bits, WIDTH, HEIGHT);
+      assert_int_equal(frame.t_ns, n * 40000000);
+    }
     placido_frame_free(&frame);
     placido_session_reader_close(reader);
     free(path);
@@ -146,6 +195,7 @@ int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, scratch_setup, scratch_teardown)
   const struct CMUnitTest tests[] = {
       TEST(every_lossless_grey_codec_is_read),
+      TEST(a_foreign_session_is_packed_as_it_is),
       TEST(lossy_and_coloured_video_is_refused),
       TEST(samples_other_than_described_are_noted),
   };

@@ -99,7 +99,7 @@ static void the_selected_inverse_gives_the_variances(void **state) {
       right[(row + i / PLACIDO_SPLINE_ORDER) * grid.side + column + i % PLACIDO_SPLINE_ORDER] =
           v[i];
     }
-    assert_int_equal(placido_normal_solve_more(normal, right, x, NULL), PLACIDO_OK);
+    assert_int_equal(placido_normal_solve_more(normal, right, 1, x, NULL), PLACIDO_OK);
     for (int i = 0; i < n; i++) {
       direct += right[i] * x[i];
     }

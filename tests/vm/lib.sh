@@ -76,6 +76,88 @@ end_all() {
   running=""
 }
 
+# start_udevd: from now on the machine has what notices that devices come and go.
+start_udevd() {
+  [ ! -e /run/udev/control ] || return 0
+  mkdir -p /run/udev
+  /lib/systemd/systemd-udevd --daemon > /dev/null 2>&1
+}
+
+# make_session NAME SIZE: a session of 8 pictures as any FFmpeg writes one, and NAME.sums, what stream says of each.
+make_session() {
+  mkdir -p "$1"
+  ffmpeg -nostdin -v error -f lavfi -i "testsrc2=size=$2:rate=20" -frames:v 8 -pix_fmt gray -c:v ffv1 -level 3 \
+    "$1/frames.mkv"
+  cp "$here/../data/samples/normal.instrument.json" "$1/instrument.json"
+  echo '{"format": "placido-session/1", "created": "2026-01-01T00:00:00Z", "eye": "OD"}' > "$1/session.json"
+  stream "replay:$1" --seconds 1000 --sums > replay.out
+  sums_of replay.out > "$1.sums"
+}
+
+# sums_of FILE: the sums of all frames without a flag, each once.
+sums_of() {
+  sed -n 's/^frame [0-9]* 0 //p' "$1" | sort -u
+}
+
+# shows FILE SESSION: every frame that stream told of in FILE is one of the session's, bit by bit, and they change.
+shows() {
+  sums_of "$1" > seen.sums
+  comm -23 seen.sums "$2.sums" > foreign.sums
+  if [ "$(wc -l < seen.sums)" -lt 4 ] || [ -s foreign.sums ]; then
+    cat "$1"
+    return 1
+  fi
+}
+
+# start_camera NAME ARGUMENT...: a simulated camera, plugged in.
+start_camera() {
+  name=$1
+  shift
+  start "$name" placido device-sim "$@"
+  wait_for 60 says '^READY' "$name.out" || fail "the simulated camera $name does not start: $(cat "$name.out")"
+}
+
+# order NAME WORDS: to a simulated camera, until it has answered.
+order() {
+  answered=$(wc -l < "$1.out")
+  echo "$2" > "$1.in"
+  wait_for 20 more_lines "$1.out" "$answered" || fail "no answer to \"$2\""
+}
+
+more_lines() {
+  [ "$(wc -l < "$1")" -gt "$2" ]
+}
+
+# stream_on ARGUMENT...: stream in the background, until it is ended by end_stream; its words are in stream.out.
+stream_on() {
+  stream "$@" --frames 1000000 --sums > stream.out 2>&1 &
+  streaming=$!
+  wait_for 60 says '^frame' stream.out || fail "no frame: $(cat stream.out)"
+}
+
+end_stream() {
+  kill "$streaming" 2> /dev/null
+  wait "$streaming" 2> /dev/null
+}
+
+# counted KEY: what the running stream has counted.
+counted() {
+  sed -n "s/^counts .*$1 \([0-9]*\).*/\1/p" stream.out | tail -n 1
+}
+
+exceeds() {
+  [ "$(counted "$1")" -gt "$2" ]
+}
+
+frames_on() {
+  [ "$(grep -c '^frame' stream.out)" -gt "$1" ]
+}
+
+# goes_on WHAT: 20 frames more of the running stream.
+goes_on() {
+  check "$1: frames go on" wait_for 60 frames_on $(($(grep -c '^frame' stream.out) + 20))
+}
+
 # value KEY FILE: of a line "KEY VALUE" as stream prints them.
 value() {
   sed -n "s/^$1 //p" "$2" | head -n 1

@@ -3,8 +3,9 @@
  *   stream URI [--frames N] [--seconds S] [--settle S] [--sums]
  *
  * --settle: memory and files are looked at so many seconds after the first frame (1), and at the
- * end; --sums: a line for every frame, its number, flags and the sum of its samples. Ends with 0
- * where the frames (30) or the seconds were had, 1 where the device failed or fell silent. */
+ * end; --sums: a line for every frame, its number, flags and the sum of its samples, and one for
+ * every change of what is counted. Ends with 0 where the frames (30) or the seconds were had, 1
+ * where the device failed or fell silent. */
 #include <placido/device.h>
 
 #include <dirent.h>
@@ -38,6 +39,7 @@ struct run {
   placido_frame frame;
   double begin_s, last_s; /* of the first and the latest frame */
   uint64_t frames, gaps, flagged, last_seq;
+  placido_device_statistics told; /* but for its frames */
   struct holding settled;
   bool is_settled;
 };
@@ -120,6 +122,22 @@ static bool is_done(const struct run *run) {
          (wish->seconds > 0 && run->frames > 0 && now_s() - run->begin_s >= wish->seconds);
 }
 
+/* Tells what is counted where it is not what it was. */
+static void tell_counts(struct run *run) {
+  placido_device_statistics said;
+  placido_device_statistics_get(run->device, &said);
+  said.frames = run->told.frames;
+  if (run->frames == 1 || memcmp(&said, &run->told, sizeof said) != 0) {
+    printf("counts gaps %llu flagged %llu dropped %llu corrupt %llu truncated %llu restarts %llu "
+           "replugs %llu\n",
+           (unsigned long long)run->gaps, (unsigned long long)run->flagged,
+           (unsigned long long)said.dropped, (unsigned long long)said.corrupt,
+           (unsigned long long)said.truncated, (unsigned long long)said.restarts,
+           (unsigned long long)said.replugs);
+  }
+  run->told = said;
+}
+
 static void count_frame(struct run *run) {
   const placido_frame *frame = &run->frame;
   run->last_s = now_s();
@@ -134,6 +152,7 @@ static void count_frame(struct run *run) {
   if (run->wish.wants_sums) {
     printf("frame %llu %u %016llx\n", (unsigned long long)frame->seq, frame->flags,
            (unsigned long long)sum_of(frame));
+    tell_counts(run);
   }
   if (!run->is_settled && run->last_s - run->begin_s >= run->wish.settle_s) {
     run->settled = look_at_self();
