@@ -2,7 +2,7 @@
 #include "acquire/taking.h"
 
 #include "acquire/codec.h"
-#include "acquire/judge.h"
+#include "acquire/scorer.h"
 #include "drivers/clock.h"
 
 #include <math.h>
@@ -35,7 +35,7 @@ struct taking {
   int64_t first_t_ns, last_t_ns; /* by the device's time */
   int64_t came_ns;               /* the last frame, by the clock */
 
-  placido_judge judge;
+  placido_scorer scorer;
   placido_frame_info frame_info; /* exposure and gain */
   int64_t refreshed_ns;
   struct best best;
@@ -106,9 +106,9 @@ static void look(struct taking *taking, const placido_frame *frame) {
   if (!settings->look) {
     return;
   }
-  const placido_judge *judge = &taking->judge;
+  const placido_scorer *scorer = &taking->scorer;
   const placido_taking_view view = {.frame = frame,
-                                    .guidance = judge->has_guidance ? &judge->guidance : NULL,
+                                    .guidance = scorer->has_guidance ? &scorer->guidance : NULL,
                                     .recorder = taking->recorder,
                                     .bursts = taking->trigger.bursts_done,
                                     .is_lit = taking->is_lit,
@@ -217,7 +217,7 @@ static int handle(struct taking *taking, placido_frame *frame, placido_error *er
   double score;
   const placido_trigger *trigger = &taking->trigger;
   const bool in_burst = trigger->burst_left > 0 && trigger->warm_left == 0;
-  int status = placido_judge_frame(&taking->judge, frame, in_burst, &score, err);
+  int status = placido_scorer_judge(&taking->scorer, frame, in_burst, &score, err);
   if (status != PLACIDO_OK) {
     return status;
   }
@@ -226,7 +226,7 @@ static int handle(struct taking *taking, placido_frame *frame, placido_error *er
     return record(taking, frame, score, err);
   }
   const placido_trigger_action action = placido_trigger_frame(
-      &taking->trigger, frame->t_ns, placido_judge_readiness(&taking->judge), taking->fired);
+      &taking->trigger, frame->t_ns, placido_scorer_readiness(&taking->scorer), taking->fired);
   taking->fired = 0;
   return act(taking, &action, frame, score, err);
 }
@@ -330,6 +330,7 @@ static int start(struct taking *taking, placido_error *err) {
   const double rate_hz = read_control(settings->device, "frame_rate_hz");
   taking->info.rate_hz = rate_hz > 0 ? rate_hz : NAN;
   taking->source_waits = read_control(settings->device, "speed") == 0;
+  taking->scorer.takes_its_time = taking->source_waits;
   taking->came_ns = now_ns();
   return status;
 }
@@ -392,7 +393,7 @@ int placido_taking_run(placido_taking_result *result, const placido_taking_setti
   struct taking taking = {.settings = settings,
                           .info = settings->info,
                           .result = result,
-                          .judge = {.guide = settings->guide},
+                          .scorer = {.guide = settings->guide},
                           .best = {.score = NAN},
                           .frame_info = {.exposure_us = NAN, .gain_db = NAN}};
   placido_trigger_start(&taking.trigger, &settings->trigger);

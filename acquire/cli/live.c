@@ -223,13 +223,18 @@ static int run(const struct settings *settings, struct outcome *outcome, placido
   struct live live = {.settings = settings, .outcome = outcome};
   live.has_bars = !settings->json && !settings->quiet && isatty(STDOUT_FILENO);
   stages_next(&outcome->stages, "open");
+  terminal_open(&live.terminal, false);
   int status = open_all(&live, err);
   stages_end(&outcome->stages);
   if (status == PLACIDO_OK) {
     interrupt_defer(outcome->interrupt);
-    terminal_open(&live.terminal, isatty(STDIN_FILENO));
+    if (isatty(STDIN_FILENO)) {
+      terminal_listen(&live.terminal);
+    }
     status = watch(&live, err);
-    terminal_close(&live.terminal);
+  }
+  terminal_close(&live.terminal);
+  if (live.guide) {
     tell(&live);
   }
   close_all(&live);

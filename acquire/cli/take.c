@@ -335,7 +335,7 @@ static int run(const struct settings *settings, struct outcome *outcome, placido
     return status;
   }
   stages_end(&outcome->stages); /* its line gives way to show's, and its thread to Ctrl-Z */
-  terminal_open(&work.terminal);
+  terminal_open(&work.terminal, false);
   status = open_all(&work, err);
   if (status == PLACIDO_OK) {
     status = take(&work, &result, err);

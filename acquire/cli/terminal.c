@@ -38,18 +38,21 @@ static void restore(struct terminal *terminal) {
   terminal->is_raw = false;
 }
 
-void terminal_open(struct terminal *terminal) {
+void terminal_listen(struct terminal *terminal) {
+  terminal->listens = true;
+  make_raw(terminal);
+}
+
+void terminal_open(struct terminal *terminal, bool keys) {
   *terminal = (struct terminal){.is_terminal = isatty(STDIN_FILENO)};
   sigset_t signals;
   fill_signals(&signals);
   pthread_sigmask(SIG_BLOCK, &signals, &terminal->mask_before);
   const struct sigaction ignore = {.sa_handler = SIG_IGN};
   sigaction(SIGPIPE, &ignore, &terminal->pipe_before);
-}
-
-void terminal_listen(struct terminal *terminal) {
-  terminal->listens = true;
-  make_raw(terminal);
+  if (keys) {
+    terminal_listen(terminal);
+  }
 }
 
 static unsigned take_signals(void) {

@@ -21,10 +21,11 @@ struct terminal {
 
 /* Takes over Ctrl-Z and Ctrl-\, which terminal_take tells of from here on, and keeps a reader that
  * has gone from ending the program. To be called before any library starts a thread of its own, to
- * which these signals would go. End with terminal_close. */
-void terminal_open(struct terminal *terminal);
+ * which these signals would go. Where `keys` are wanted it listens at once. End with
+ * terminal_close. */
+void terminal_open(struct terminal *terminal, bool keys);
 
-/* Keys come at once from here on. */
+/* Keys come at once and unseen from here on. */
 void terminal_listen(struct terminal *terminal);
 
 /* What came since last time; does not wait. */

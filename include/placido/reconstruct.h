@@ -13,8 +13,8 @@ typedef struct placido_fit_options {
   double axis_z_sigma_mm; /* its standard deviation; 0 means exactly known */
   const placido_uncertainty *geometry; /* of the instrument, independent of axis_z; borrowed. NULL
                              or without modes: its part of the error bars is not known */
-  int geometry_modes;     /* so many of its modes count, the strongest ones [all]; each costs about 1 %
-                             of the fit's time */
+  int geometry_modes;     /* so many of its modes count, the strongest ones [all]; each costs
+                             about 1 % of the fit's time */
   double knot_mm;         /* knot spacing, 0.15 to 2; [0.5, or finer where residuals ask for it] */
   double smoothing;       /* weight of the third-derivative penalty [1000] */
   int steps_max;          /* Gauss-Newton steps [40] */

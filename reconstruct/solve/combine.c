@@ -14,7 +14,7 @@
 #define PIVOT_MM 7.8 /* the centre of curvature, below the vertex of an ordinary cornea */
 /* A frame is set aside where it is so many times the usual off the others, and by more than a good
  * frame may. */
-#define APART 3.0
+#define APART 1.6
 #define APART_LEAST_PX 0.05
 /* Blocks of neighbouring edges, about as wide as the surface's knots: noise averages out over them,
  * and what makes a wrong surface does not. */

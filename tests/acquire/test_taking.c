@@ -1,5 +1,6 @@
 /* Taking frames: what is recorded, when the light is on, and that it is off in every way out. The
- * devices and the session's writer are scripts: this file defines their functions itself. */
+ * devices, the guide and the session's writer are scripts: this file defines their functions
+ * itself. */
 #include "acquire/taking.h"
 
 #include <stdarg.h>
@@ -25,6 +26,11 @@ struct step {
 /* Camera, light and pedal are one script; `role` tells which one a pointer is. */
 struct placido_device {
   enum { CAMERA, LIGHT, PEDAL } role;
+};
+
+/* The eye is ready where the contrast is 50 and more, which gives the score 0.5. */
+struct placido_guide {
+  int looks;
 };
 
 struct placido_session_writer {
@@ -190,6 +196,17 @@ int placido_session_writer_close(placido_session_writer *writer, placido_error *
   return PLACIDO_OK;
 }
 
+int placido_guide_look(placido_guide *guide, const placido_frame *frame,
+                       placido_guidance *guidance, placido_error *err) {
+  (void)err;
+  const int contrast = script.steps[frame->seq].contrast;
+  guide->looks++;
+  *guidance = (placido_guidance){
+      .state = contrast >= 50 ? PLACIDO_GUIDE_READY : PLACIDO_GUIDE_ALIGN,
+      .score = contrast / 100.0};
+  return PLACIDO_OK;
+}
+
 static unsigned wish(void *user, const placido_taking_view *view) {
   (void)user;
   return view->frame && view->frame->data ? script.steps[view->frame->seq].wish : 0;
@@ -345,6 +362,33 @@ static void test_the_pedal_starts_bursts_until_there_were_enough(void **state) {
   assert_true(has_event("trigger: pedal"));
 }
 
+/* Ready for 30 ms, which is from frame 5 to 8; the light comes on, and one frame later the burst. */
+static void test_a_ready_eye_starts_a_burst(void **state) {
+  (void)state;
+  placido_taking_result result;
+  placido_taking_settings settings = bursts();
+  placido_guide guide = {0};
+  settings.guide = &guide;
+  settings.trigger.sources = PLACIDO_TRIGGER_AUTO;
+  settings.trigger.score_min = 0.6;
+  settings.trigger.hold_s = 0.03;
+  settings.trigger.rest_s = 1.0;
+  reset(20);
+  script.speed = 0; /* a source that waits has every frame judged */
+  for (int i = 0; i < 20; i++) {
+    script.steps[i].contrast = i < 3 ? 90 : i < 5 ? 40 : 70;
+  }
+  script.steps[3].contrast = 55; /* ready, and not good enough */
+  script.steps[11].contrast = 80;
+  assert_int_equal(run(&settings, &result, NULL), PLACIDO_OK);
+  const uint64_t expected[] = {10, 11, 12};
+  assert_int_equal(script.writer.frames, 3);
+  assert_memory_equal(script.writer.seqs, expected, sizeof expected);
+  assert_int_equal(guide.looks, 20);
+  assert_true(has_event("1080000000 trigger: auto"));
+  assert_true(has_event("best frame: index 1, sequence 11, score 0.8000"));
+}
+
 /* In the middle of a burst, with the light on: however it ends, it is dark then, and what came
  * before is an orderly session. */
 static void test_the_light_is_off_in_every_way_out(void **state) {
@@ -468,6 +512,7 @@ int main(void) {
       cmocka_unit_test(test_it_ends_when_asked),
       cmocka_unit_test(test_a_burst),
       cmocka_unit_test(test_the_pedal_starts_bursts_until_there_were_enough),
+      cmocka_unit_test(test_a_ready_eye_starts_a_burst),
       cmocka_unit_test(test_the_light_is_off_in_every_way_out),
       cmocka_unit_test(test_the_light_is_off_after_a_full_disk),
       cmocka_unit_test(test_the_light_is_on_for_a_recording),

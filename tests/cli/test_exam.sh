@@ -33,7 +33,7 @@ check_measured() {
 }
 
 exam_keys="software created input.path input.instrument settings.axis_z_mm settings.pupils_mm capture.frame
-  capture.coverage fit.rms_px fit.points_used pupils seconds.mires seconds.total warnings"
+  capture.coverage fit.rms_px fit.points_used fit.error_budget.distance.z_um pupils seconds.mires seconds.total warnings"
 
 echo "== an image"
 succeed phantom --eye keratoconus --instrument cone24 -o eye.png --noise 1 --lashes 5 --json

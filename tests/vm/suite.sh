@@ -2,7 +2,7 @@
 # Runs every case in the virtual machine one after the other, each with a limit of time, and sums up. Runs as root
 # there: never on a machine that matters.
 cases="v4l2 gpio u3v uvc udev"
-limit_s=200
+limit_s=300
 if [ ! -d /run/vm ]; then
   echo "suite.sh: only in the virtual machine: tests/vm/run" >&2
   exit 1

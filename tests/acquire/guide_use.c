@@ -1,0 +1,51 @@
+/* Frames of the phantom, and what the guide says of them. */
+#include "tests/acquire/guide_use.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+void guide_use_open(struct guide_use *use, const char *instrument, const char *eye) {
+  placido_error err = {0};
+  *use = (struct guide_use){.surface = NULL};
+  assert_int_equal(placido_phantom_instrument(&use->instrument, instrument, &err), PLACIDO_OK);
+  assert_int_equal(placido_phantom_eye(&use->surface, eye, &err), PLACIDO_OK);
+  assert_int_equal(placido_guide_new(&use->guide, &use->instrument, &err), PLACIDO_OK);
+}
+
+void guide_use_close(struct guide_use *use) {
+  placido_guide_free(use->guide);
+  placido_surface_free(use->surface);
+  placido_frame_free(&use->frame);
+}
+
+void guide_use_render(struct guide_use *use, placido_disturbance how) {
+  placido_error err = {0};
+  how.subsamples = 1; /* a quarter of the time; edges are uncertain by the pixel's width */
+  how.seed = how.seed ? how.seed : 1;
+  assert_int_equal(
+      placido_phantom_render(&use->frame, use->surface, &use->instrument, &how, 0, &err),
+      PLACIDO_OK);
+}
+
+placido_guidance guide_use_look(struct guide_use *use) {
+  placido_guidance guidance;
+  placido_error err = {0};
+  assert_int_equal(placido_guide_look(use->guide, &use->frame, &guidance, &err), PLACIDO_OK);
+  return guidance;
+}
+
+placido_guidance guide_use_see(struct guide_use *use, placido_disturbance how) {
+  guide_use_render(use, how);
+  return guide_use_look(use);
+}
+
+placido_guidance guide_use_once(const char *instrument, const char *eye, placido_disturbance how) {
+  struct guide_use use;
+  guide_use_open(&use, instrument, eye);
+  const placido_guidance guidance = guide_use_see(&use, how);
+  guide_use_close(&use);
+  return guidance;
+}
