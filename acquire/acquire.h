@@ -1,4 +1,4 @@
-/* Acquisition: taking frames from a device and choosing the one that shows the mires best. */
+/* Acquisition: taking frames from a device and choosing those that show the mires best. */
 #ifndef PLACIDO_ACQUIRE_ACQUIRE_H
 #define PLACIDO_ACQUIRE_ACQUIRE_H
 
@@ -26,9 +26,18 @@ int placido_frame_score(double *score, const placido_frame *frame, placido_error
 /* Starts the device, takes its frames and leaves in `frame` (the caller's) the one with the best
  * score, or frame number `wanted` where that is not negative. A damaged frame is taken only where
  * it is asked for or where there is no other; either gives a line in `notes` (may be NULL).
- * Of a device that gives frames without end 48 are looked at. Returns PLACIDO_OK, PLACIDO_INPUT (no
- * frame, or no frame of that number), PLACIDO_MEMORY and what the device returns. */
+ * Of a device that gives frames without end 48 are looked at; a recording is read as fast as it can
+ * be where its address gives no speed. Returns PLACIDO_OK, PLACIDO_INPUT (no frame, or no frame of
+ * that number), PLACIDO_MEMORY and what the device returns. */
 int placido_frame_choose(placido_frame *frame, placido_choice *choice, placido_device *device,
                          long wanted, placido_notes *notes, placido_error *err);
+
+/* As placido_frame_choose, the `most` (at least 1) frames with the best scores, the best first, and
+ * `*count` the number of them: fewer where there are not so many. Damaged frames are not among them
+ * but for the first. `frames` and `choices` have `most` elements, which are overwritten; each frame
+ * is to be freed. */
+int placido_frames_choose(placido_frame *frames, placido_choice *choices, size_t most,
+                          size_t *count, placido_device *device, placido_notes *notes,
+                          placido_error *err);
 
 #endif

@@ -19,7 +19,8 @@ typedef struct placido_scorer {
 } placido_scorer;
 
 /* `score` is NaN where the frame was passed over: judging takes four fifths of the time at most, so
- * that a fast camera is not kept waiting. Returns PLACIDO_OK and what placido_guide_look returns. */
+ * that a fast camera is not kept waiting. Returns PLACIDO_OK and what placido_guide_look and
+ * placido_frame_score return. */
 int placido_scorer_judge(placido_scorer *scorer, const placido_frame *frame, bool in_burst,
                          double *score, placido_error *err);
 

@@ -41,10 +41,6 @@ struct taking {
   struct best best;
 };
 
-static int64_t now_ns(void) {
-  return placido_clock_monotonic.now_ns();
-}
-
 /* Into events.jsonl where there is one yet. Lost memory for an event is no reason to end. */
 static void tell(struct taking *taking, int64_t t_ns, const char *name, const char *text) {
   if (taking->recorder) {
@@ -163,10 +159,6 @@ static int record(struct taking *taking, placido_frame *frame, double score, pla
   return PLACIDO_OK;
 }
 
-static const char *source_name(unsigned source) {
-  return source == PLACIDO_TRIGGER_KEY ? "key" : source == PLACIDO_TRIGGER_PEDAL ? "pedal" : "auto";
-}
-
 static void tell_burst(struct taking *taking, const char *name) {
   char text[64];
   snprintf(text, sizeof text, "index %lld", (long long)placido_recorder_index(taking->recorder));
@@ -194,7 +186,7 @@ static int act(struct taking *taking, const placido_trigger_action *action, plac
                double score, placido_error *err) {
   int status = PLACIDO_OK;
   if (action->light_on) {
-    tell(taking, frame->t_ns, "trigger", source_name(action->source));
+    tell(taking, frame->t_ns, "trigger", placido_trigger_name(action->source));
     status = switch_light(taking, true, err);
   }
   if (action->first) {
@@ -233,8 +225,8 @@ static int handle(struct taking *taking, placido_frame *frame, placido_error *er
 
 /* By the device's time as far as frames have come, then by the clock. */
 static bool is_over(const struct taking *taking) {
-  const double elapsed_s = (double)(taking->last_t_ns - taking->first_t_ns +
-                                    (now_ns() - taking->came_ns)) / NS_PER_S;
+  const int64_t since_ns = placido_clock_monotonic.now_ns() - taking->came_ns;
+  const double elapsed_s = (double)(taking->last_t_ns - taking->first_t_ns + since_ns) / NS_PER_S;
   return taking->settings->for_s > 0 && elapsed_s >= taking->settings->for_s;
 }
 
@@ -275,7 +267,7 @@ static int take_frame(struct taking *taking, placido_error *err) {
     taking->first_t_ns = frame->t_ns;
   }
   taking->last_t_ns = frame->t_ns;
-  taking->came_ns = now_ns();
+  taking->came_ns = placido_clock_monotonic.now_ns();
   if (is_over(taking)) {
     taking->ends = true;
     return PLACIDO_OK;
@@ -292,7 +284,7 @@ static int bear_silence(struct taking *taking, placido_error *err) {
   }
   look(taking, NULL);
   taking->ends |= is_over(taking);
-  if (!is_unplugged && now_ns() - taking->came_ns > SILENCE_NS) {
+  if (!is_unplugged && placido_clock_monotonic.now_ns() - taking->came_ns > SILENCE_NS) {
     return placido_error_set(err, PLACIDO_TIMEOUT, "the device has given no frame for %d seconds",
                              (int)(SILENCE_NS / 1000000000));
   }
@@ -331,7 +323,7 @@ static int start(struct taking *taking, placido_error *err) {
   taking->info.rate_hz = rate_hz > 0 ? rate_hz : NAN;
   taking->source_waits = read_control(settings->device, "speed") == 0;
   taking->scorer.takes_its_time = taking->source_waits;
-  taking->came_ns = now_ns();
+  taking->came_ns = placido_clock_monotonic.now_ns();
   return status;
 }
 

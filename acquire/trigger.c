@@ -3,6 +3,10 @@
 
 #define NS_PER_S 1e9
 
+const char *placido_trigger_name(unsigned source) {
+  return source == PLACIDO_TRIGGER_KEY ? "key" : source == PLACIDO_TRIGGER_PEDAL ? "pedal" : "auto";
+}
+
 void placido_trigger_start(placido_trigger *trigger, const placido_trigger_settings *settings) {
   *trigger = (placido_trigger){.settings = *settings};
 }

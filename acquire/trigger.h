@@ -11,6 +11,9 @@
 #define PLACIDO_TRIGGER_PEDAL 2u
 #define PLACIDO_TRIGGER_AUTO 4u
 
+/* "key", "pedal" or "auto" of one bit; a constant. */
+const char *placido_trigger_name(unsigned source);
+
 typedef struct placido_trigger_settings {
   unsigned sources;
   int burst;        /* frames of a burst, 1 to 10,000 */

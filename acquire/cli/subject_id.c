@@ -68,8 +68,8 @@ int subject_id_check(const char *id, placido_error *err) {
   const size_t length = strlen(id);
   if (length == 0 || length > SUBJECT_ID_MAX || strspn(id, LETTERS DIGITS "-_") != length) {
     return placido_error_set(err, STATUS_USAGE,
-                             "--subject is an opaque id of 1 to %d letters, digits, - and _: a name "
-                             "is never stored, because pictures of an eye are personal data",
+                             "--subject is an opaque id of 1 to %d letters, digits, - and _: a "
+                             "name is never stored, because pictures of an eye are personal data",
                              SUBJECT_ID_MAX);
   }
   if (holds_date(id)) {

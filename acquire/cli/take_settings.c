@@ -47,24 +47,20 @@ static int parse_codec(void *field, const struct option_row *row, const char *te
 /* One name, or several separated by commas; a further option adds to those before. */
 static int parse_trigger(void *field, const struct option_row *row, const char *text,
                          placido_error *err) {
-  static const struct {
-    const char *name;
-    unsigned bit;
-  } sources[] = {{"key", PLACIDO_TRIGGER_KEY},
-                 {"pedal", PLACIDO_TRIGGER_PEDAL},
-                 {"auto", PLACIDO_TRIGGER_AUTO}};
+  static const unsigned sources[] = {PLACIDO_TRIGGER_KEY, PLACIDO_TRIGGER_PEDAL,
+                                     PLACIDO_TRIGGER_AUTO};
   for (const char *word = text;; word++) {
     const size_t length = strcspn(word, ",");
     size_t i = 0;
-    while (i < COUNT(sources) && (strlen(sources[i].name) != length ||
-                                  strncmp(sources[i].name, word, length) != 0)) {
+    while (i < COUNT(sources) && (strlen(placido_trigger_name(sources[i])) != length ||
+                                  strncmp(placido_trigger_name(sources[i]), word, length) != 0)) {
       i++;
     }
     if (i == COUNT(sources)) {
       return placido_error_set(err, STATUS_USAGE, "--%s %s: %s was expected", row->name, text,
                                row->value);
     }
-    *(unsigned *)field |= sources[i].bit;
+    *(unsigned *)field |= sources[i];
     word += length;
     if (*word == '\0') {
       return PLACIDO_OK;

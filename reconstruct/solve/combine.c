@@ -6,11 +6,13 @@
 #include "base/memory.h"
 #include "reconstruct/median.h"
 #include "reconstruct/solve/movement.h"
+#include "reconstruct/surface/surface.h"
 
 #include <math.h>
 #include <string.h>
 
 #define STEPS_MAX 12
+#define RIM_MM 0.5
 #define PIVOT_MM 7.8 /* the centre of curvature, below the vertex of an ordinary cornea */
 /* A frame is set aside where it is so many times the usual off the others, and by more than a good
  * frame may. */
@@ -20,10 +22,10 @@
  * and what makes a wrong surface does not. */
 #define BLOCK_DEG 15
 #define BLOCK_EDGES 6
-#define SPREAD_LEAST_PX 0.002
+#define SPREAD_LEAST_PX 0.01 /* better than this no two frames agree but by chance */
 #define STRAY 3.5        /* spreads of its frame at which a single edge point is not believed */
 #define NEWTON_STEPS 8
-#define NEWTON_REACH_PX 6
+#define NEWTON_REACH_PX 30
 #define NEWTON_CLOSE_PX 1e-7
 
 /* One frame's edges as distances from the moved yardstick. */
@@ -40,8 +42,8 @@ typedef struct combination {
   const placido_mires *list;
   size_t count;
   const placido_instrument *instrument;
-  placido_fit *fit; /* of the first frame: the yardstick */
-  placido_shape shape;
+  placido_surface *surface; /* the first frame's: the yardstick */
+  placido_shape shape;      /* the same */
   double axis_z_mm;
   int threads;
   size_t places; /* edges × meridians */
@@ -90,17 +92,36 @@ static int copy_mires(placido_mires *copy, const placido_mires *mires, placido_e
   return PLACIDO_OK;
 }
 
+/* The surface with a rim as wide as an eye moves, of what the spline has beyond the outermost points.
+ */
+static int widen(placido_surface **wide, const placido_surface *surface, placido_error *err) {
+  placido_part *parts = placido_memory_new(surface->term_count, sizeof *parts, err);
+  if (!parts) {
+    return PLACIDO_MEMORY;
+  }
+  for (size_t i = 0; i < surface->term_count; i++) {
+    parts[i] = surface->terms[i].part;
+  }
+  int status = placido_surface_new(wide, surface->vertex_z_mm, surface->radius_mm + RIM_MM, parts,
+                                   surface->term_count, NULL, err);
+  placido_memory_free(parts);
+  return status;
+}
+
 /* Fits a copy of the first frame's mires: a fit marks the points that it uses. */
 static int make_yardstick(combination *c, const placido_fit_options *options, placido_error *err) {
   placido_mires first;
+  placido_fit *fit = NULL;
   int status = copy_mires(&first, &c->list[0], err);
   if (!status) {
-    status = placido_fit_new(&c->fit, &first, c->instrument, options, NULL, err);
+    status = placido_fit_new(&fit, &first, c->instrument, options, NULL, err);
   }
-  placido_mires_free(&first);
   if (!status) {
-    c->shape.base = placido_fit_surface(c->fit);
+    status = widen(&c->surface, placido_fit_surface(fit), err);
+    c->shape.base = c->surface;
   }
+  placido_fit_free(fit);
+  placido_mires_free(&first);
   return status;
 }
 
@@ -414,7 +435,7 @@ static void combination_free(combination *c) {
   placido_memory_free(c->starts);
   placido_memory_free(c->middle_px);
   placido_memory_free(c->work);
-  placido_fit_free(c->fit);
+  placido_surface_free(c->surface);
 }
 
 int placido_mires_combine(placido_mires *combined, placido_movement *movements,

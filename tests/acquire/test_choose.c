@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <setjmp.h>
 #include <cmocka.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { SIDE = 64, FRAMES_MAX = 8 };
@@ -23,6 +24,7 @@ struct placido_device {
   struct scripted_frame frames[FRAMES_MAX];
   int count, next;
   bool started;
+  bool is_hurried; /* told to give its frames without waiting */
   bool is_waiting; /* time-outs are those of an unplugged device */
   uint64_t replugs;
 };
@@ -41,6 +43,14 @@ int placido_device_start(placido_device *device, placido_error *err) {
 int placido_device_stop(placido_device *device, placido_error *err) {
   (void)err;
   device->started = false;
+  return PLACIDO_OK;
+}
+
+int placido_device_set(placido_device *device, const char *control, double value,
+                       placido_error *err) {
+  (void)err;
+  assert_string_equal(control, "speed");
+  device->is_hurried = value == 0;
   return PLACIDO_OK;
 }
 
@@ -108,6 +118,72 @@ static void test_best_wins(void **state) {
   assert_int_equal(choice.index, 1);
   assert_int_equal(choice.frames, 3);
   assert_true(choice.score > 0.0);
+}
+
+static void test_a_recording_is_hurried_through(void **state) {
+  (void)state;
+  placido_device device = {.frames = {{40, 0, 0}}, .count = 1};
+  placido_choice choice;
+  int status;
+  choose(&device, -1, &choice, NULL, &status, NULL);
+  assert_true(device.is_hurried);
+  device = (placido_device){
+      .info.uri = "replay:a.session?speed=1", .frames = {{40, 0, 0}}, .count = 1};
+  choose(&device, -1, &choice, NULL, &status, NULL);
+  assert_false(device.is_hurried);
+}
+
+/* Chooses the best few and says which contrasts they have, as "90 60 ". */
+static size_t choose_few(placido_device *device, size_t most, char *contrasts,
+                         placido_choice *choices) {
+  placido_frame frames[FRAMES_MAX];
+  size_t count;
+  placido_error err = {0};
+  contrasts[0] = '\0';
+  if (placido_frames_choose(frames, choices, most, &count, device, NULL, &err)) {
+    assert_int_equal(count, 0);
+    return 0;
+  }
+  for (size_t i = 0; i < count; i++) {
+    sprintf(contrasts + strlen(contrasts), "%d ", (int)frames[i].seq);
+    placido_frame_free(&frames[i]);
+  }
+  return count;
+}
+
+static void test_the_best_few_come_in_their_order(void **state) {
+  (void)state;
+  placido_device device = {
+      .frames = {{40, 0, 0}, {90, 0, 0}, {60, 0, 0}, {20, 0, 0}, {80, 0, 0}}, .count = 5};
+  placido_choice choices[FRAMES_MAX];
+  char contrasts[64];
+  assert_int_equal(choose_few(&device, 3, contrasts, choices), 3);
+  assert_string_equal(contrasts, "90 80 60 ");
+  assert_int_equal(choices[0].index, 1);
+  assert_int_equal(choices[1].index, 4);
+  assert_int_equal(choices[2].index, 2);
+  assert_int_equal(choices[2].frames, 5);
+  assert_int_equal(choose_few(&device, FRAMES_MAX, contrasts, choices), 5);
+  assert_string_equal(contrasts, "90 80 60 40 20 ");
+}
+
+/* Of damaged frames the best comes only where no whole one does. */
+static void test_the_best_few_are_whole(void **state) {
+  (void)state;
+  const uint32_t cut = PLACIDO_FRAME_TRUNCATED;
+  placido_device device = {
+      .frames = {{90, cut, 0}, {40, 0, 0}, {0, 0, PLACIDO_INPUT}, {60, 0, 0}}, .count = 4};
+  placido_choice choices[FRAMES_MAX];
+  char contrasts[64];
+  assert_int_equal(choose_few(&device, 3, contrasts, choices), 2);
+  assert_string_equal(contrasts, "60 40 ");
+  assert_int_equal(choices[0].damaged, 2);
+  device = (placido_device){.frames = {{90, cut, 0}, {95, cut, 0}}, .count = 2};
+  assert_int_equal(choose_few(&device, 3, contrasts, choices), 1);
+  assert_string_equal(contrasts, "95 ");
+  device = (placido_device){.frames = {{90, 0, 0}, {0, 0, PLACIDO_GONE}}, .count = 2};
+  assert_int_equal(choose_few(&device, 3, contrasts, choices), 0);
+  assert_int_equal(choices[0].index, -1);
 }
 
 static void test_first_of_equals_wins(void **state) {
@@ -240,6 +316,9 @@ static void test_device_error_is_passed_on(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_best_wins),
+      cmocka_unit_test(test_a_recording_is_hurried_through),
+      cmocka_unit_test(test_the_best_few_come_in_their_order),
+      cmocka_unit_test(test_the_best_few_are_whole),
       cmocka_unit_test(test_first_of_equals_wins),
       cmocka_unit_test(test_asked_for_is_taken),
       cmocka_unit_test(test_an_unplugged_device_is_waited_for),

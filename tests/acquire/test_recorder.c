@@ -185,7 +185,7 @@ static void test_a_slow_writer_drops_visibly(void **state) {
   placido_frame_free(&frame);
 }
 
-/* A run of drops that the end cuts off is told as well; one frame has room in the smallest queue. */
+/* A run of drops that the end cuts off is told as well; one frame has room in any queue. */
 static void test_drops_at_the_end_are_told(void **state) {
   (void)state;
   reset_script(true);

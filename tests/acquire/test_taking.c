@@ -362,7 +362,7 @@ static void test_the_pedal_starts_bursts_until_there_were_enough(void **state) {
   assert_true(has_event("trigger: pedal"));
 }
 
-/* Ready for 30 ms, which is from frame 5 to 8; the light comes on, and one frame later the burst. */
+/* Ready for 30 ms, from frame 5 to 8; the light comes on, and one frame later the burst. */
 static void test_a_ready_eye_starts_a_burst(void **state) {
   (void)state;
   placido_taking_result result;

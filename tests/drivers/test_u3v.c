@@ -313,6 +313,26 @@ static void a_camera_that_comes_back_wrong_may_be_tried_again(void **state) {
   stop_camera(camera);
 }
 
+/* Nothing is lost on the way, however often the plug is pulled. */
+static void a_thousand_unpluggings_leave_nothing_behind(void **state) {
+  (void)state;
+  void *camera = start_camera("");
+  placido_frame frame = {0};
+  for (uint64_t i = 0; i < 1000; i++) {
+    take(camera, &frame);
+    assert_int_equal(frame.seq, i);
+    fake_unplug();
+    assert_int_equal(driver->next(camera, &frame, 100, NULL), PLACIDO_GONE);
+    assert_int_equal(fake.open_count + fake.pending_count + fake.own_count, 0);
+    assert_int_equal(driver->stop(camera, NULL), PLACIDO_OK);
+    fake_replug();
+    assert_int_equal(driver->start(camera, NULL), PLACIDO_OK);
+  }
+  assert_int_equal(counts_of(camera).frames, 1000);
+  stop_camera(camera);
+  placido_frame_free(&frame);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(a_camera_is_found_by_all_its_names, reset, nothing_is_left),
@@ -334,6 +354,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(cameras_are_listed_by_what_finds_them, reset,
                                       nothing_is_left),
       cmocka_unit_test_setup_teardown(a_lost_camera_is_found_again_as_it_was, reset,
+                                      nothing_is_left),
+      cmocka_unit_test_setup_teardown(a_thousand_unpluggings_leave_nothing_behind, reset,
                                       nothing_is_left),
       cmocka_unit_test_setup_teardown(another_camera_in_its_place_is_not_taken, reset,
                                       nothing_is_left),
