@@ -4,12 +4,12 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "drivers/replug.h"
+#include "drivers/settings.h"
 
 #include <placido/device.h>
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -116,9 +116,8 @@ static int apply_setting(placido_device *device, const char *setting, placido_no
   size_t length = equals ? (size_t)(equals - setting) : strlen(setting);
   if (equals && length < sizeof name) {
     memcpy(name, setting, length);
-    char *end;
-    double value = strtod(equals + 1, &end);
-    if (end != equals + 1 && *end == '\0') {
+    double value;
+    if (placido_setting_read_number(&value, equals + 1)) {
       return set_by_address(device, name, value, notes, err);
     }
   }

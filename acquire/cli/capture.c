@@ -75,6 +75,16 @@ static void decide_distance(struct examination *examination) {
   }
 }
 
+static int choose_frames(struct examination *examination, placido_device *device,
+                         placido_error *err) {
+  const struct settings *settings = examination->settings;
+  if (settings->combine > 1) {
+    return combination_capture(examination, device, err);
+  }
+  return placido_frame_choose(&examination->frame, &examination->choice, device, settings->frame,
+                              &examination->outcome->notes, err);
+}
+
 static int read_device(struct examination *examination, placido_device *device,
                        placido_error *err) {
   examination->source = *placido_device_info_get(device);
@@ -86,12 +96,17 @@ static int read_device(struct examination *examination, placido_device *device,
     return status;
   }
   decide_distance(examination);
-  return placido_frame_choose(&examination->frame, &examination->choice, device,
-                              examination->settings->frame, &examination->outcome->notes, err);
+  return choose_frames(examination, device, err);
 }
 
 int step_capture(struct examination *examination, placido_error *err) {
   stages_next(&examination->outcome->stages, "read");
+  if (examination->settings->combine > 1 && examination->settings->frame >= 0) {
+    return placido_error_set(err, STATUS_USAGE,
+                             "--frame %d asks for one frame and --combine %d for several: leave one "
+                             "of them out",
+                             examination->settings->frame, examination->settings->combine);
+  }
   placido_device *device = NULL;
   int status = placido_device_open(&device, examination->settings->input,
                                    &examination->outcome->notes, err);

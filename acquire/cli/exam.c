@@ -21,6 +21,8 @@ const struct command command_exam = {
     .examples =
         "  placido exam eye.session -o exam\n"
         "      the best frame of a session; the result is in exam/report.html\n"
+        "  placido exam eye.session --combine 5 -o exam\n"
+        "      the five best frames made into one with less noise\n"
         "  placido exam eye.png --instrument cone.json --axis-z 0.02,0.03 -o exam\n"
         "      an image; the cornea was measured 0.02 mm before its nominal place, to 0.03 mm\n"
         "  placido exam eye.session --pupils 3,6 --scene tumbling-e --scene street.json -o exam\n"

@@ -47,6 +47,7 @@ static void examination_free(struct examination *examination) {
   placido_fit_free(examination->fit);
   placido_mires_free(&examination->mires);
   placido_frame_free(&examination->frame);
+  combination_free(&examination->combination);
   placido_uncertainty_free(&examination->geometry);
   placido_memory_free(examination);
 }

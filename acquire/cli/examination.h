@@ -4,6 +4,7 @@
 #define PLACIDO_CLI_EXAMINATION_H
 
 #include "acquire/acquire.h"
+#include "acquire/cli/combination.h"
 #include "acquire/cli/command.h"
 #include "acquire/cli/views.h"
 #include "base/file.h"
@@ -33,6 +34,7 @@ struct examination {
   double axis_z_mm, axis_z_sigma_mm;
   placido_choice choice;
   placido_frame frame; /* no data: there was no capture */
+  struct combination combination; /* of several frames; step_mires fills the rest */
 
   /* step_mires, step_fit, step_maps */
   placido_mires mires;

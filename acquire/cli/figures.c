@@ -29,12 +29,28 @@ static int draw_sigma(const struct examination *examination, size_t which, size_
   return placido_figure_sigma(&examination->maps, error_bars[which].name, path, err);
 }
 
+/* Mires of several frames are moved to where the one that is shown has them. */
 static int draw_mires(const struct examination *examination, size_t a, size_t b,
                       const char *path, placido_error *err) {
   (void)a;
   (void)b;
-  return placido_figure_mires(&examination->frame, &examination->mires,
-                              examination_mm_per_px(examination), path, err);
+  const double *offset_px = examination->combination.offset_px;
+  placido_mires shown = examination->mires;
+  shown.points = placido_memory_new(shown.count, sizeof *shown.points, err);
+  if (!shown.points) {
+    return PLACIDO_MEMORY;
+  }
+  for (size_t i = 0; i < shown.count; i++) {
+    shown.points[i] = examination->mires.points[i];
+    shown.points[i].u_px += offset_px[0];
+    shown.points[i].v_px += offset_px[1];
+  }
+  shown.centre_u_px += offset_px[0];
+  shown.centre_v_px += offset_px[1];
+  const int status = placido_figure_mires(&examination->frame, &shown,
+                                          examination_mm_per_px(examination), path, err);
+  placido_memory_free(shown.points);
+  return status;
 }
 
 static int draw_capture(const struct examination *examination, size_t a, size_t b,

@@ -6,8 +6,12 @@
 int step_mires(struct examination *examination, placido_error *err) {
   stages_next(&examination->outcome->stages, "mires");
   const placido_mires_options options = {.meridians = examination->settings->meridians};
-  return placido_mires_find(&examination->mires, &examination->frame, &examination->instrument,
-                            &options, &examination->outcome->notes, err);
+  const int status =
+      placido_mires_find(&examination->mires, &examination->frame, &examination->instrument,
+                         &options, &examination->outcome->notes, err);
+  return status == PLACIDO_OK && examination->combination.chosen > 1
+             ? combination_measure(examination, err)
+             : status;
 }
 
 int step_fit(struct examination *examination, placido_error *err) {

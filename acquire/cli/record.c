@@ -93,6 +93,7 @@ static struct builder build_settings(const struct examination *examination) {
   if (examination->frame.data) {
     put_real(&builder, "axis_z_mm", examination->axis_z_mm);
     put_real(&builder, "axis_z_sigma_mm", examination->axis_z_sigma_mm);
+    put_asked(&builder, "combine", settings->combine);
     put_asked(&builder, "meridians", settings->meridians);
     put_asked(&builder, "knot_mm", settings->knot_mm);
   }
@@ -116,6 +117,26 @@ static struct builder build_settings(const struct examination *examination) {
   return builder;
 }
 
+/* What each of several frames gave. */
+static void put_combined(struct builder *builder, const struct combination *combination) {
+  json_t *frames = json_array();
+  for (size_t i = 0; i < combination->count; i++) {
+    const placido_movement *movement = &combination->movements[i];
+    struct builder frame = builder_new();
+    json_t *shift = json_array();
+    for (int axis = 0; axis < 3; axis++) {
+      append(&frame, shift, placido_json_real(movement->shift_mm[axis]));
+    }
+    put_integer(&frame, "frame", combination->index[i]);
+    put_real(&frame, "weight", movement->weight);
+    put(&frame, "shift_mm", shift);
+    put_real(&frame, "spread_px", movement->spread_px);
+    builder->failed = builder->failed || frame.failed;
+    append(builder, frames, frame.object);
+  }
+  put(builder, "combined", frames);
+}
+
 static struct builder build_capture(const struct examination *examination) {
   struct builder builder = builder_new();
   put_integer(&builder, "frame", examination->choice.index);
@@ -128,6 +149,9 @@ static struct builder build_capture(const struct examination *examination) {
   append(&builder, centre, placido_json_real(examination->mires.centre_u_px));
   append(&builder, centre, placido_json_real(examination->mires.centre_v_px));
   put(&builder, "centre_px", centre);
+  if (examination->combination.count > 0) {
+    put_combined(&builder, &examination->combination);
+  }
   return builder;
 }
 

@@ -1,6 +1,8 @@
 /* The option tables: every option of every command, with its unit, range and default. */
 #include "acquire/cli/settings.h"
 
+#include <placido/combine.h>
+
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -115,6 +117,9 @@ static const struct option_row measuring_rows[] = {
      "counts as exactly known.", FIELD(axis_z), parse_distance, -100, 100},
     {"frame", 0, "N", "Frame to examine, counted from 0 (default: the one that shows the mires "
      "best).", FIELD(frame), parse_integer, 0, 2e9},
+    {"combine", 0, "N", "Frames to make into one, the best ones, for less noise: the eye's movement "
+     "between them is removed, and those that disagree are set aside (default 1). Not with --frame.",
+     FIELD(combine), parse_integer, 1, PLACIDO_COMBINE_MAX},
     {"knots", 0, "MM", "Knot spacing of the surface's spline, mm (default: 0.5, or finer where the "
      "residuals ask for it).", FIELD(knot_mm), parse_number, 0.15, 2},
     {"meridians", 0, "N", "Meridians along which edges are measured (default 360).",

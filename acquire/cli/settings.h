@@ -30,7 +30,8 @@ struct settings {
   /* measuring */
   const char *instrument;
   struct distance axis_z;
-  int frame; /* -1: the best */
+  int frame;   /* -1: the best */
+  int combine; /* so many frames; 0 and 1: no more than the best */
   double knot_mm;
   int meridians;
 

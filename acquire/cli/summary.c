@@ -5,6 +5,18 @@
 
 #include <math.h>
 
+static void print_frames(const struct examination *examination) {
+  const struct combination *combination = &examination->combination;
+  size_t used = 0;
+  for (size_t i = 0; i < combination->count; i++) {
+    used += combination->movements[i].weight > 0;
+  }
+  if (used > 1) {
+    say(examination->settings, "%zu frames combined, of which frame %ld is the best", used,
+        examination->choice.index);
+  }
+}
+
 static void print_fit(const struct examination *examination) {
   const placido_fit_summary fit = placido_fit_summary_get(examination->fit);
   say(examination->settings,
@@ -38,6 +50,7 @@ static void print_view(const struct settings *settings, const struct view *view)
 void summary_print(const struct examination *examination) {
   const struct settings *settings = examination->settings;
   if (examination->fit) {
+    print_frames(examination);
     print_fit(examination);
   }
   for (size_t i = 0; i < examination->index_count; i++) {

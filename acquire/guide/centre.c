@@ -10,7 +10,7 @@
 
 /* Lines about a point. */
 struct round {
-  double reach; /* times the way from the inner to the outer radius; beyond: left out. INFINITY: none is */
+  double reach; /* times the way from the inner to the outer radius: farther ones are left out */
   double angle; /* at which a line's weight is halved, as a sine */
 };
 

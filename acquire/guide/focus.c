@@ -9,11 +9,11 @@
 
 #include <math.h>
 
-/* Of adult corneas, keratoconus included: mean and standard deviation (the spread of healthy eyes
- * is half as large). */
+/* Of adult corneas; below, the standard deviations, keratoconus included (the spread of healthy
+ * eyes is half as large). Of the distance nothing is known. */
 static const double radius_mm = 7.8;
 static const double asphericity = -0.25;
-#define Z_SIGMA_MM 3.0 /* nothing is known */
+#define Z_SIGMA_MM 3.0
 /* What a real cornea's mean radius departs from a conic's, and what is left of the decentration. */
 static const double shape_sigma = 0.006; /* of an edge's radius */
 static const double sigma_max_mm = 0.35; /* beyond, nothing is told */

@@ -15,10 +15,10 @@
 
 #define SPHERE_MM 7.8
 #define EDGES_MIN 6
-#define GAP_MIN_PX 3.0      /* finer mires cannot be told apart */
+#define GAP_MIN_PX 3.5      /* finer mires cannot be told apart */
 #define GAP_SAMPLES 4.0     /* along a meridian in the narrowest gap, where the picture has them */
 #define SMALL_GAP_PX 3.4    /* in the small picture */
-#define LIKENESS_MIN 0.65   /* of the sectors that show the pattern; a chequerboard has 0.6 */
+#define LIKENESS_MIN 0.68   /* of the sectors that show the pattern; a chequerboard has 0.65 */
 #define INNER_MIN 0.75      /* share of the innermost edges */
 #define ROUGHNESS_MAX 0.08  /* of a gap; skin has twice that, heavy noise half */
 #define WINDOW 3.0          /* times the mires' radius: how far from the axis they are looked for */
@@ -64,8 +64,8 @@ static int plan(placido_guide *guide, placido_error *err) {
                              instrument->first_band_bright);
   if (!(guide->pattern.gap_px >= GAP_MIN_PX)) {
     return placido_error_set(err, PLACIDO_INPUT,
-                             "instrument \"%s\": its innermost edges stand %.1f px apart, the guide "
-                             "needs %g", instrument->name, guide->pattern.gap_px, GAP_MIN_PX);
+                             "instrument \"%s\": its innermost edges stand %.1f px apart, the "
+                             "guide needs %g", instrument->name, guide->pattern.gap_px, GAP_MIN_PX);
   }
   placido_guide_focus_prepare(&guide->focus, instrument, guide->edge_count);
   return PLACIDO_OK;

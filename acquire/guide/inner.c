@@ -10,15 +10,15 @@
 #define PER_SECTOR (PLACIDO_GUIDE_MERIDIANS / PLACIDO_GUIDE_SECTORS)
 #define SCALE_LOW 0.6 /* of a cornea of 7.8 mm: radii of 4.7 to 11 mm */
 #define SCALE_HIGH 1.4
-#define SCALE_STEP 0.012
+#define SCALE_STEP 0.018
 #define START_SHARP 6       /* of the pattern's row of blurs: an eighth of a gap */
 #define START_BLURRED 13    /* more than half a gap */
 #define LIKENESS_GOOD 0.55  /* of a sector; skin reaches it in some, and the walk tells it apart */
 #define SECTORS_MIN 8
 #define ROUNDS 3            /* of centring */
 
-static void average_sector(placido_guide_profile *profile, const placido_guide_polar *polar, int sector,
-                           int count) {
+static void average_sector(placido_guide_profile *profile, const placido_guide_polar *polar,
+                           int sector, int count) {
   profile->count = count;
   profile->step_px = polar->step_px;
   memset(profile->grey, 0, sizeof profile->grey);
@@ -34,7 +34,7 @@ static void average_sector(placido_guide_profile *profile, const placido_guide_p
 
 /* Scale and blur at which all sectors together look most like the pattern. */
 static placido_guide_trial search_scale(const placido_guide_profile *profiles,
-                                 const placido_guide_pattern *pattern) {
+                                        const placido_guide_pattern *pattern) {
   static const int blurs[] = {START_SHARP, START_BLURRED};
   placido_guide_trial best = {1, 0, START_SHARP};
   double most = -INFINITY;

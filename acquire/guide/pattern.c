@@ -14,13 +14,15 @@ static double blurred_step(double x, double blur) {
 
 void placido_guide_pattern_make(placido_guide_pattern *pattern, const double *edges_px, int count,
                                 bool first_bright) {
-  const int last = count < PLACIDO_GUIDE_PATTERN_EDGES ? count - 1 : PLACIDO_GUIDE_PATTERN_EDGES - 1;
+  const int last =
+      count < PLACIDO_GUIDE_PATTERN_EDGES ? count - 1 : PLACIDO_GUIDE_PATTERN_EDGES - 1;
   pattern->inner_px = edges_px[0];
   pattern->gap_px = (edges_px[last] - edges_px[0]) / last;
   pattern->low_px = 0.4 * edges_px[0]; /* a lamp to be looked at may stand in the middle */
   pattern->high_px = edges_px[last] + 0.5 * pattern->gap_px;
   pattern->middle_px = edges_px[last < 2 ? last : 2];
-  pattern->step_px = fmax(pattern->gap_px / 16, 1.05 * pattern->high_px / PLACIDO_GUIDE_PATTERN_SAMPLES);
+  pattern->step_px = fmax(pattern->gap_px / 16,
+                          1.05 * pattern->high_px / PLACIDO_GUIDE_PATTERN_SAMPLES);
   pattern->count = (int)(1.02 * pattern->high_px / pattern->step_px) + 2;
   for (int b = 0; b < PLACIDO_GUIDE_BLURS; b++) {
     pattern->blur_px[b] = BLUR_FIRST * pattern->gap_px * pow(BLUR_RATIO, b);
@@ -84,17 +86,31 @@ placido_guide_match placido_guide_compare(const placido_guide_profile *profile,
                                                    : match_of(&sums);
 }
 
+static double likeness_at(const placido_guide_pattern *pattern,
+                          const placido_guide_sample *samples, int count, int blur) {
+  struct sums sums = {0};
+  for (int i = 0; i < count; i++) {
+    add(&sums, pattern, pattern->light[blur], samples[i].place, samples[i].grey);
+  }
+  return match_of(&sums).likeness;
+}
+
+/* The likeness has one maximum over the rows: first every third of them, then those beside the
+ * best, whose neighbours a parabola needs as well. */
 double placido_guide_pattern_blur(const placido_guide_pattern *pattern,
                                   const placido_guide_sample *samples, int count) {
   double likeness[PLACIDO_GUIDE_BLURS];
   int best = 0;
   for (int b = 0; b < PLACIDO_GUIDE_BLURS; b++) {
-    struct sums sums = {0};
-    for (int i = 0; i < count; i++) {
-      add(&sums, pattern, pattern->light[b], samples[i].place, samples[i].grey);
-    }
-    likeness[b] = match_of(&sums).likeness;
+    likeness[b] = b % 3 == 0 ? likeness_at(pattern, samples, count, b) : -2;
     best = likeness[b] > likeness[best] ? b : best;
+  }
+  const int middle = best;
+  for (int b = middle - 3; b <= middle + 3; b++) {
+    if (b >= 0 && b < PLACIDO_GUIDE_BLURS && b % 3 != 0) {
+      likeness[b] = likeness_at(pattern, samples, count, b);
+      best = likeness[b] > likeness[best] ? b : best;
+    }
   }
   double row = best;
   if (best > 0 && best < PLACIDO_GUIDE_BLURS - 1) {

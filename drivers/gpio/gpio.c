@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "drivers/gpio/board.h"
 #include "drivers/gpio/inputs.h"
+#include "drivers/settings.h"
 
 #include <errno.h>
 #include <math.h>
@@ -119,19 +120,6 @@ static void gpio_close(void *pointer) {
   placido_memory_free(state);
 }
 
-/* Splits "ADDRESS?query"; `*query` is NULL where there is none. */
-static int split_address(gpio *state, const char *address, const char **query,
-                         placido_error *err) {
-  const char *mark = strrchr(address, '?');
-  const size_t length = mark ? (size_t)(mark - address) : strlen(address);
-  *query = mark ? mark + 1 : NULL;
-  if (length >= sizeof state->address) {
-    return placido_error_set(err, PLACIDO_INPUT, "the address of the GPIO chip is too long");
-  }
-  memcpy(state->address, address, length);
-  return PLACIDO_OK;
-}
-
 int placido_gpio_open(void **pointer, const char *address, const placido_gpio_lines *lines,
                       placido_notes *notes, placido_error *err) {
   *pointer = NULL;
@@ -141,7 +129,8 @@ int placido_gpio_open(void **pointer, const char *address, const placido_gpio_li
   }
   state->board.chip.lines = state->inputs.lines = lines;
   const char *query;
-  int status = split_address(state, address, &query, err);
+  int status = placido_settings_split(state->address, sizeof state->address, &query, address,
+                                      "GPIO chip", err);
   if (!status) {
     status = placido_gpio_wiring_read(&state->board.wiring, query, err);
   }

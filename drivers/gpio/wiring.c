@@ -1,8 +1,8 @@
 /* What a device's address says of the wiring. */
 #include "drivers/gpio/wiring.h"
 
-#include <stdio.h>
-#include <stdlib.h>
+#include "drivers/settings.h"
+
 #include <string.h>
 
 /* The contacts of pedals come to rest within some 10 ms; nobody feels 20. */
@@ -48,9 +48,7 @@ static int read_bias(enum placido_gpio_bias *bias, const char *value, placido_er
 }
 
 static int read_debounce(double *debounce_ms, const char *value, placido_error *err) {
-  char *end;
-  *debounce_ms = strtod(value, &end);
-  if (end == value || *end ||
+  if (!placido_setting_read_number(debounce_ms, value) ||
       !(*debounce_ms >= 0 && *debounce_ms <= PLACIDO_GPIO_DEBOUNCE_MAX_MS)) {
     return placido_error_set(err, PLACIDO_INPUT,
                              "debounce_ms=%.80s is not a number of milliseconds from 0 to %d",
@@ -60,8 +58,8 @@ static int read_debounce(double *debounce_ms, const char *value, placido_error *
 }
 
 /* One setting, by its place in the list of options. */
-static int read_option(placido_gpio_wiring *wiring, size_t option, const char *value,
-                       placido_error *err) {
+static int read_option(void *target, size_t option, const char *value, placido_error *err) {
+  placido_gpio_wiring *wiring = target;
   if (option < PLACIDO_GPIO_ROLES) {
     return read_wire(&wiring->wires[option], placido_gpio_options[option], value, err);
   }
@@ -69,35 +67,10 @@ static int read_option(placido_gpio_wiring *wiring, size_t option, const char *v
                                       : read_debounce(&wiring->debounce_ms, value, err);
 }
 
-/* One "NAME=VALUE". */
-static int read_setting(placido_gpio_wiring *wiring, const char *setting, size_t length,
-                        placido_error *err) {
-  char text[2 * PLACIDO_GPIO_NAME_MAX];
-  const char *equals = memchr(setting, '=', length);
-  for (size_t i = 0; equals && placido_gpio_options[i]; i++) {
-    const size_t name = strlen(placido_gpio_options[i]);
-    if (name != (size_t)(equals - setting) ||
-        strncmp(setting, placido_gpio_options[i], name) != 0) {
-      continue;
-    }
-    if (length - name - 1 >= sizeof text) {
-      return placido_error_set(err, PLACIDO_INPUT, "\"%.60s...\" in the address is too long",
-                               setting);
-    }
-    memcpy(text, equals + 1, length - name - 1);
-    text[length - name - 1] = '\0';
-    return read_option(wiring, i, text, err);
-  }
-  return PLACIDO_OK;
-}
-
 int placido_gpio_wiring_read(placido_gpio_wiring *wiring, const char *query, placido_error *err) {
   *wiring = (placido_gpio_wiring){.debounce_ms = DEBOUNCE_USUAL_MS};
-  int status = PLACIDO_OK;
-  while (!status && query && *query) {
-    const size_t length = strcspn(query, "&");
-    status = read_setting(wiring, query, length, err);
-    query += length + (query[length] == '&');
-  }
-  return status;
+  const placido_settings settings = {.names = placido_gpio_options,
+                                     .longest = PLACIDO_SETTING_MAX,
+                                     .read = read_option};
+  return placido_settings_read(&settings, wiring, query, err);
 }

@@ -1,4 +1,5 @@
-/* A recorded session, or one image file, as a device: its frames in order, at a chosen speed.
+/* A recorded session, or one image file, as a device: its frames in order, in the time in which they
+ * were recorded or at another speed, with such faults as a script asks for.
  *
  * A frame that cannot be decoded is told as PLACIDO_INPUT in its turn, so that whoever counts
  * frames counts as the recording does; the message of PLACIDO_END says how many there were. */
@@ -6,23 +7,25 @@
 
 #include "base/memory.h"
 #include "base/text.h"
+#include "drivers/replay/source.h"
+#include "drivers/replay/strike.h"
 
-#include <placido/image.h>
-#include <placido/session.h>
-
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
+
+#define SCRIPT "faults"
+#define LOST_AT_ONCE 100
 
 enum replay_control { SPEED, LOOP, CONTROL_COUNT };
 
 static const placido_control controls[CONTROL_COUNT] = {
     [SPEED] = {.name = "speed",
                .unit = "times the recorded speed",
-               .help = "0: every frame as soon as it is asked for",
+               .help = "1, unless said: as it was recorded; 0: every frame as soon as it is asked "
+                       "for",
                .min = 0,
                .max = 1000,
                .step = 0.01},
@@ -36,22 +39,24 @@ static const placido_control controls[CONTROL_COUNT] = {
 
 typedef struct replay {
   placido_device_info info;
-  placido_session_reader *session; /* NULL: one image */
   double settings[CONTROL_COUNT];
-  double rate_hz;
+  placido_replay_source source;
+  placido_strikes strikes;
 
-  placido_frame waiting; /* decoded, not yet due; of an image: the image */
-  bool is_waiting;
-  bool joins;            /* the next frame is the first of a further round */
-  bool any_taken;        /* the source is not at its first frame any more */
-  int64_t round_count;   /* frames since the source's beginning */
-  int64_t damaged_count; /* since start */
+  bool is_waiting;       /* source.frame is not given out yet */
+  placido_strike strike; /* what is to become of it */
+  int64_t fetched_ns;    /* when it was decoded */
 
-  int64_t clock_start_ns;              /* when the first frame was due */
-  int64_t first_t_ns, last_t_ns;       /* as given out */
-  uint64_t last_seq;                   /* as given out */
-  bool any_given;                      /* since start */
-  int64_t shift_t_ns, shift_seq;       /* what the loops before this one add */
+  bool any_given;                /* since start */
+  int64_t clock_start_ns;        /* when the frame of first_t_ns was due */
+  int64_t first_t_ns, last_t_ns; /* the recording's time there, and of the last frame given */
+  bool has_origin;               /* a frame was decoded since start */
+  int64_t origin_t_ns;           /* its time */
+
+  bool is_gone;        /* unplugged, by the script */
+  int64_t back_ns;     /* when it is plugged in again; INT64_MAX: never */
+  int64_t absent_t_ns; /* what was recorded before is lost */
+  placido_device_statistics statistics;
 } replay;
 
 static int64_t clock_ns(void) {
@@ -60,49 +65,45 @@ static int64_t clock_ns(void) {
   return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
-static int copy_text(char *out, size_t size, const char *text, placido_error *err) {
-  int length = snprintf(out, size, "%s", text);
-  if (length < 0 || (size_t)length >= size) {
-    return placido_error_set(err, PLACIDO_INPUT, "the path ...%s is too long",
-                             placido_text_tail(text));
-  }
-  return PLACIDO_OK;
-}
-
-static int describe_session(replay *state, placido_error *err) {
-  const placido_session_info *session = placido_session_reader_info(state->session);
-  placido_device_info *info = &state->info;
-  memcpy(info->vendor, session->vendor, sizeof info->vendor);
-  memcpy(info->model, session->model, sizeof info->model);
-  memcpy(info->serial, session->serial, sizeof info->serial);
-  memcpy(info->firmware, session->firmware, sizeof info->firmware);
-  memcpy(info->eye, session->eye, sizeof info->eye);
-  info->axis_z_mm = session->axis_z_mm;
-  info->axis_z_sigma_mm = session->axis_z_sigma_mm;
-  state->rate_hz = session->rate_hz;
-  return copy_text(info->instrument_path, sizeof info->instrument_path,
-                   placido_session_reader_instrument(state->session), err);
-}
-
-static int open_source(replay *state, const char *path, placido_notes *notes,
-                       placido_error *err) {
-  struct stat found;
-  if (stat(path, &found) != 0) {
-    return placido_error_set(err, PLACIDO_SYSTEM, "cannot open %s: %s", placido_text_tail(path),
-                             strerror(errno));
-  }
-  if (!S_ISDIR(found.st_mode)) {
-    return placido_frame_load(&state->waiting, path, err);
-  }
-  int status = placido_session_reader_open(&state->session, path, notes, err);
-  return status ? status : describe_session(state, err);
-}
-
 static void replay_close(void *pointer) {
   replay *state = pointer;
-  placido_session_reader_close(state->session);
-  placido_frame_free(&state->waiting);
+  placido_replay_source_close(&state->source);
   placido_memory_free(state);
+}
+
+/* Reads the script that the settings of an address name, if they do. */
+static int read_script(replay *state, const char *query, placido_error *err) {
+  const size_t name = strlen(SCRIPT "=");
+  while (query && *query && strncmp(query, SCRIPT "=", name) != 0) {
+    query += strcspn(query, "&");
+    query += *query == '&';
+  }
+  if (!query || !*query) {
+    return PLACIDO_OK;
+  }
+  char path[sizeof state->info.uri];
+  const int length = (int)strcspn(query + name, "&");
+  snprintf(path, sizeof path, "%.*s", length, query + name); /* the whole uri has room there */
+  return placido_faults_load(&state->strikes.faults, path, err);
+}
+
+/* Opens the path in front of the settings; a path that exists has none, whatever marks it has. */
+static int open_address(replay *state, const char *address, placido_notes *notes,
+                        placido_error *err) {
+  placido_device_info *info = &state->info;
+  char path[sizeof info->uri];
+  const int length = snprintf(info->uri, sizeof info->uri, "replay:%s", address);
+  if (length < 0 || (size_t)length >= sizeof info->uri) {
+    return placido_error_set(err, PLACIDO_INPUT, "the path ...%s is too long",
+                             placido_text_tail(address));
+  }
+  strcpy(path, address);
+  char *query = access(path, F_OK) == 0 ? NULL : strrchr(path, '?');
+  if (query) {
+    *query++ = '\0';
+  }
+  const int status = read_script(state, query, err);
+  return status ? status : placido_replay_source_open(&state->source, info, path, notes, err);
 }
 
 static int replay_open(void **pointer, const char *address, placido_notes *notes,
@@ -112,12 +113,8 @@ static int replay_open(void **pointer, const char *address, placido_notes *notes
   if (!state) {
     return PLACIDO_MEMORY;
   }
-  state->rate_hz = state->info.axis_z_mm = state->info.axis_z_sigma_mm = NAN;
-  int length = snprintf(state->info.uri, sizeof state->info.uri, "replay:%s", address);
-  int status = length < (int)sizeof state->info.uri
-                   ? open_source(state, address, notes, err)
-                   : placido_error_set(err, PLACIDO_INPUT, "the path ...%s is too long",
-                                       placido_text_tail(address));
+  state->settings[SPEED] = 1;
+  const int status = open_address(state, address, notes, err);
   if (status) {
     replay_close(state);
     return status;
@@ -158,99 +155,139 @@ static int replay_set(void *pointer, size_t control, double value, placido_error
   return PLACIDO_OK;
 }
 
-static int rewind_source(replay *state, placido_error *err) {
-  int status = PLACIDO_OK;
-  if (state->session && state->any_taken) {
-    status = placido_session_reader_rewind(state->session, err);
+/* An unplugged device that is plugged in again goes on behind what was recorded meanwhile. */
+static int come_back(replay *state, placido_error *err) {
+  const int64_t left_ns = state->back_ns - clock_ns();
+  if (state->back_ns == INT64_MAX) {
+    return placido_error_set(err, PLACIDO_GONE, "%s is unplugged for good, as its script says",
+                             placido_text_tail(state->info.uri));
   }
-  state->any_taken = false;
-  state->round_count = 0;
-  return status;
+  if (left_ns > 0) {
+    return placido_error_set(err, PLACIDO_GONE,
+                             "%s is unplugged for another %.1f s, as its script says",
+                             placido_text_tail(state->info.uri), (double)left_ns / 1e9);
+  }
+  state->is_gone = state->is_waiting = state->any_given = false;
+  return PLACIDO_OK;
 }
 
 static int replay_start(void *pointer, placido_error *err) {
   replay *state = pointer;
-  state->is_waiting = state->any_given = state->joins = false;
-  state->shift_t_ns = state->shift_seq = state->damaged_count = 0;
-  return rewind_source(state, err);
+  if (state->is_gone) {
+    return come_back(state, err);
+  }
+  state->is_waiting = state->any_given = state->has_origin = false;
+  state->absent_t_ns = INT64_MIN;
+  placido_strikes_rewind(&state->strikes);
+  return placido_replay_source_rewind(&state->source, err);
 }
 
-/* The next frame of the source into `waiting`. */
-static int take_from_source(replay *state, placido_error *err) {
-  if (!state->session) {
-    bool first = !state->any_taken;
-    state->any_taken = true;
-    return first ? PLACIDO_OK
-                 : placido_error_set(err, PLACIDO_END, "%s is a single image", state->info.uri);
-  }
-  state->any_taken = true;
-  int status = placido_session_reader_next(state->session, &state->waiting, err);
-  state->damaged_count += status == PLACIDO_INPUT;
-  if (status == PLACIDO_END && state->damaged_count > 0) {
-    placido_error_set(err, PLACIDO_END, "%s has no further frame (%lld were damaged)",
-                      placido_text_tail(state->info.uri), (long long)state->damaged_count);
+static int take(replay *state, placido_error *err) {
+  const int status = placido_replay_source_next(&state->source, state->settings[LOOP] > 0, err);
+  if (!status && !state->has_origin) {
+    state->has_origin = true;
+    state->origin_t_ns = state->source.frame.t_ns;
   }
   return status;
 }
 
-static int begin_next_round(replay *state, placido_error *err) {
-  int status = rewind_source(state, err);
-  state->joins = true;
-  return status ? status : take_from_source(state, err);
-}
-
-/* Behind the last frame, time and counter go on by one frame's step into the next round. */
-static void join_rounds(replay *state) {
-  int64_t step_ns = state->rate_hz > 0 ? llround(1e9 / state->rate_hz) : 1;
-  state->joins = false;
-  if (state->session) {
-    state->shift_t_ns = state->last_t_ns + step_ns - state->waiting.t_ns;
-    state->shift_seq = (int64_t)(state->last_seq + 1 - state->waiting.seq);
+/* Whether the frame just taken does not come: the script drops it, or it was recorded while the
+ * device was unplugged. */
+static bool is_lost(replay *state) {
+  const int64_t t_ns = state->source.frame.t_ns;
+  if (t_ns < state->absent_t_ns) {
+    return true;
   }
+  state->strike = placido_strikes_at(&state->strikes, state->source.frame_count - 1,
+                                     t_ns - state->origin_t_ns);
+  return state->strike.any[PLACIDO_FAULT_DROP];
 }
 
-static int fetch(replay *state, placido_error *err) {
-  int status = take_from_source(state, err);
-  if (status == PLACIDO_END && state->settings[LOOP] > 0 && state->round_count > 0) {
-    status = begin_next_round(state, err);
+/* Takes the next frame that comes. A row of lost ones may last beyond the deadline: for a few of them
+ * that does not count at speed 0, where a loss takes no time. */
+static int fetch(replay *state, int64_t deadline_ns, placido_error *err) {
+  int passed_over = state->settings[SPEED] > 0 ? 0 : LOST_AT_ONCE;
+  int status = take(state, err);
+  while (!status && is_lost(state)) {
+    state->statistics.dropped++;
+    if (--passed_over < 0 && clock_ns() > deadline_ns) {
+      return placido_error_set(err, PLACIDO_TIMEOUT, "no frame in time: all were lost");
+    }
+    status = take(state, err);
   }
   if (status) {
+    state->statistics.corrupt += status == PLACIDO_INPUT;
     return status;
   }
-  if (state->joins) {
-    join_rounds(state);
-  }
   state->is_waiting = true;
-  state->round_count++;
+  state->fetched_ns = clock_ns();
   if (!state->any_given) {
-    state->clock_start_ns = clock_ns();
-    state->first_t_ns = state->waiting.t_ns;
+    state->clock_start_ns = state->fetched_ns;
+    state->first_t_ns = state->source.frame.t_ns;
   }
   return PLACIDO_OK;
+}
+
+/* When the waiting frame is to be given out. */
+static int64_t due_ns(const replay *state) {
+  const double speed = state->settings[SPEED];
+  if (!(speed > 0)) {
+    return state->fetched_ns + state->strike.delay_ns;
+  }
+  const int64_t elapsed_ns = state->source.frame.t_ns - state->first_t_ns;
+  return state->clock_start_ns + llround((double)elapsed_ns / speed) + state->strike.delay_ns;
 }
 
 /* Sleeps until the waiting frame is due, but not beyond the deadline. */
-static int wait_until_due(const replay *state, int timeout_ms, placido_error *err) {
-  double speed = state->settings[SPEED];
-  if (!(speed > 0)) {
-    return PLACIDO_OK;
-  }
-  int64_t elapsed_ns = state->waiting.t_ns + state->shift_t_ns - state->first_t_ns;
-  int64_t now = clock_ns(), deadline = now + (int64_t)timeout_ms * 1000000;
-  int64_t due = state->clock_start_ns + llround((double)elapsed_ns / speed);
-  int64_t until = due < deadline ? due : deadline;
+static int wait_until_due(const replay *state, int64_t deadline_ns, placido_error *err) {
+  const int64_t due = due_ns(state), until = due < deadline_ns ? due : deadline_ns;
   const struct timespec wake = {.tv_sec = until / 1000000000, .tv_nsec = until % 1000000000};
-  int interrupted =
-      until > now ? clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, NULL) : 0;
-  if (due > deadline || interrupted) {
-    return placido_error_set(err, PLACIDO_TIMEOUT, "no frame within %d ms", timeout_ms);
+  const int interrupted =
+      until > clock_ns() ? clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, NULL) : 0;
+  if (due > clock_ns() || interrupted) {
+    return placido_error_set(err, PLACIDO_TIMEOUT, "no frame in time");
   }
   return PLACIDO_OK;
+}
+
+static int unplug(replay *state, placido_error *err) {
+  const int64_t absence_ns = state->strike.absence_ns;
+  const double speed = state->settings[SPEED] > 0 ? state->settings[SPEED] : 1;
+  const bool for_good = absence_ns == INT64_MAX;
+  state->is_gone = true;
+  state->back_ns = for_good ? INT64_MAX : clock_ns() + absence_ns;
+  state->absent_t_ns =
+      for_good ? INT64_MAX : state->source.frame.t_ns + llround((double)absence_ns * speed);
+  state->statistics.dropped++;
+  return placido_error_set(err, PLACIDO_GONE, "%s was unplugged, as its script says",
+                           placido_text_tail(state->info.uri));
+}
+
+/* What the script puts in the place of the waiting frame, which is used up by that. */
+static int strike_out(replay *state, placido_error *err) {
+  const bool *any = state->strike.any;
+  state->is_waiting = false;
+  if (any[PLACIDO_FAULT_DISCONNECT]) {
+    return unplug(state, err);
+  }
+  if (any[PLACIDO_FAULT_ERROR]) {
+    return placido_error_set(err, PLACIDO_SYSTEM, "%s failed, as its script says",
+                             placido_text_tail(state->info.uri));
+  }
+  state->source.damaged_count++;
+  state->statistics.corrupt++;
+  return placido_error_set(err, PLACIDO_INPUT, "frame %lld of %s is damaged, as its script says",
+                           (long long)state->source.frame_count - 1, placido_text_tail(state->info.uri));
+}
+
+static bool is_struck_out(const placido_strike *strike) {
+  return strike->any[PLACIDO_FAULT_DISCONNECT] || strike->any[PLACIDO_FAULT_ERROR] ||
+         strike->any[PLACIDO_FAULT_DAMAGE];
 }
 
 /* Copies the waiting frame into the caller's. */
 static int give(replay *state, placido_frame *frame, placido_error *err) {
-  const placido_frame *waiting = &state->waiting;
+  const placido_frame *waiting = &state->source.frame;
   int status = placido_frame_resize(frame, waiting->width_px, waiting->height_px, waiting->format,
                                     err);
   if (status) {
@@ -259,27 +296,46 @@ static int give(replay *state, placido_frame *frame, placido_error *err) {
   memcpy(frame->data, waiting->data, (size_t)waiting->height_px * waiting->stride_bytes);
   frame->bits = waiting->bits;
   frame->flags = waiting->flags;
-  frame->t_ns = waiting->t_ns + state->shift_t_ns;
-  frame->seq = waiting->seq + (uint64_t)state->shift_seq;
+  frame->t_ns = waiting->t_ns;
+  frame->seq = waiting->seq;
+  placido_strike_spoil(&state->strike, frame);
   state->last_t_ns = frame->t_ns;
-  state->last_seq = frame->seq;
   state->any_given = true;
   state->is_waiting = false;
+  state->statistics.frames++;
+  state->statistics.corrupt += (frame->flags & PLACIDO_FRAME_CORRUPT) != 0;
+  state->statistics.truncated += (frame->flags & PLACIDO_FRAME_TRUNCATED) != 0;
   return PLACIDO_OK;
 }
 
 static int replay_next(void *pointer, placido_frame *frame, int timeout_ms, placido_error *err) {
   replay *state = pointer;
-  int status = state->is_waiting ? PLACIDO_OK : fetch(state, err);
-  if (!status) {
-    status = wait_until_due(state, timeout_ms, err);
+  if (state->is_gone) {
+    return placido_error_set(err, PLACIDO_GONE, "%s is unplugged, as its script says",
+                             placido_text_tail(state->info.uri));
   }
-  return status ? status : give(state, frame, err);
+  const int64_t deadline_ns = clock_ns() + (int64_t)timeout_ms * 1000000;
+  int status = state->is_waiting ? PLACIDO_OK : fetch(state, deadline_ns, err);
+  if (!status) {
+    status = wait_until_due(state, deadline_ns, err);
+  }
+  if (status) {
+    return status;
+  }
+  return is_struck_out(&state->strike) ? strike_out(state, err) : give(state, frame, err);
 }
+
+static void replay_statistics(const void *pointer, placido_device_statistics *statistics) {
+  const replay *state = pointer;
+  *statistics = state->statistics;
+}
+
+static const char *const options[] = {SCRIPT, NULL};
 
 const placido_driver placido_replay_driver = {
     .scheme = "replay",
     .summary = "a recorded session or an image file",
+    .options = options,
     .open = replay_open,
     .close = replay_close,
     .info = replay_info,
@@ -288,4 +344,5 @@ const placido_driver placido_replay_driver = {
     .set = replay_set,
     .start = replay_start,
     .next = replay_next,
+    .statistics = replay_statistics,
 };

@@ -3,6 +3,7 @@
 #include "drivers/u3v/u3v.h"
 
 #include "base/memory.h"
+#include "drivers/settings.h"
 #include "drivers/u3v/features.h"
 #include "drivers/u3v/stream.h"
 
@@ -57,19 +58,6 @@ static void u3v_close(void *pointer) {
   placido_memory_free(state);
 }
 
-/* Splits "ADDRESS?query"; `*query` is NULL where there is none. */
-static int split_address(u3v *state, const char *address, const char **query,
-                         placido_error *err) {
-  const char *mark = strrchr(address, '?');
-  const size_t length = mark ? (size_t)(mark - address) : strlen(address);
-  *query = mark ? mark + 1 : NULL;
-  if (length >= sizeof state->address) {
-    return placido_error_set(err, PLACIDO_INPUT, "the address of the camera is too long");
-  }
-  memcpy(state->address, address, length);
-  return PLACIDO_OK;
-}
-
 /* What is agreed is what a camera that was unplugged will be set to again. */
 static void keep_agreed(u3v *state) {
   const placido_u3v_mode *mode = &state->mode;
@@ -119,7 +107,8 @@ static int open_camera(u3v *state, const char *address, placido_notes *notes,
                        placido_error *err) {
   const char *query;
   placido_u3v_found found;
-  int status = split_address(state, address, &query, err);
+  int status = placido_settings_split(state->address, sizeof state->address, &query, address,
+                                      "camera", err);
   status = status ? status : placido_u3v_request_read(&state->request, query, err);
   status = status ? status
                   : placido_u3v_camera_find(&found, state->calls, state->address, err);

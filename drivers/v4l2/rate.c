@@ -1,6 +1,8 @@
 /* How many pictures a second: what a camera lists, what it is set to, and what it is asked for. */
 #include "drivers/v4l2/rate.h"
 
+#include "drivers/settings.h"
+
 #include <math.h>
 
 static double rate_of(struct v4l2_fract interval) {
@@ -73,7 +75,7 @@ void placido_v4l2_rate_choose(const placido_v4l2_camera *camera, const placido_v
   if (!(request->rate_hz > 0)) {
     listed_range(rates_hz, camera, mode);
   }
-  if (rates_hz[1] > 0 && rates_hz[1] <= PLACIDO_V4L2_RATE_MAX_HZ) {
+  if (rates_hz[1] > 0 && rates_hz[1] <= PLACIDO_RATE_MAX_HZ) {
     placido_v4l2_rate_set(camera, rates_hz[1]);
   }
 }

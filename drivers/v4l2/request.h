@@ -8,8 +8,6 @@
 
 /* Sides of more pixels than this are a driver's error, not a camera. */
 #define PLACIDO_V4L2_SIDE_MAX_PX 16384
-/* No camera is faster. */
-#define PLACIDO_V4L2_RATE_MAX_HZ 10000
 /* What the kernel gives at most. */
 #define PLACIDO_V4L2_BUFFERS_MAX 32
 

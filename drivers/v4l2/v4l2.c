@@ -3,6 +3,7 @@
 #include "drivers/v4l2/v4l2.h"
 
 #include "base/memory.h"
+#include "drivers/settings.h"
 #include "drivers/v4l2/control.h"
 #include "drivers/v4l2/rate.h"
 #include "drivers/v4l2/stream.h"
@@ -43,19 +44,6 @@ static void v4l2_close(void *pointer) {
   placido_memory_free(state);
 }
 
-/* Splits "ADDRESS?query"; `*query` is NULL where there is none. */
-static int split_address(v4l2 *state, const char *address, const char **query,
-                         placido_error *err) {
-  const char *mark = strrchr(address, '?');
-  const size_t length = mark ? (size_t)(mark - address) : strlen(address);
-  *query = mark ? mark + 1 : NULL;
-  if (length >= sizeof state->address) {
-    return placido_error_set(err, PLACIDO_INPUT, "the address of the camera is too long");
-  }
-  memcpy(state->address, address, length);
-  return PLACIDO_OK;
-}
-
 int placido_v4l2_open(void **pointer, const char *address, const placido_v4l2_calls *calls,
                       placido_notes *notes, placido_error *err) {
   *pointer = NULL;
@@ -66,7 +54,8 @@ int placido_v4l2_open(void **pointer, const char *address, const placido_v4l2_ca
   state->calls = calls;
   state->camera.fd = -1;
   const char *query;
-  int status = split_address(state, address, &query, err);
+  int status = placido_settings_split(state->address, sizeof state->address, &query, address,
+                                      "camera", err);
   if (!status) {
     status = placido_v4l2_request_read(&state->request, query, err);
   }

@@ -14,6 +14,7 @@ struct guide_use {
   placido_frame frame;
 };
 
+/* `instrument`: one of the phantom's, or "half cone24" with half of the pixels along each side. */
 void guide_use_open(struct guide_use *use, const char *instrument, const char *eye);
 void guide_use_close(struct guide_use *use);
 void guide_use_render(struct guide_use *use, placido_disturbance how);

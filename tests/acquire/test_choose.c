@@ -1,6 +1,7 @@
 /* Choosing among a device's frames: the best one, the one asked for, and what happens where frames
  * are damaged. The device is a script: this file defines the device's functions itself. */
 #include "acquire/acquire.h"
+#include "tests/acquire/rings.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -63,19 +64,6 @@ void placido_device_statistics_get(const placido_device *device,
   *statistics = (placido_device_statistics){.replugs = device->replugs};
 }
 
-/* Square rings: slopes along x or y, which is radial enough for a small picture. */
-static void draw(placido_frame *frame, int contrast) {
-  for (int y = 0; y < SIDE; y++) {
-    for (int x = 0; x < SIDE; x++) {
-      const int dx = x < SIDE / 2 ? SIDE / 2 - x : x - SIDE / 2;
-      const int dy = y < SIDE / 2 ? SIDE / 2 - y : y - SIDE / 2;
-      const int ring = (dx > dy ? dx : dy) / 4 % 2;
-      frame->data[(size_t)y * frame->stride_bytes + (size_t)x] =
-          (uint8_t)(100 + (ring ? contrast : 0));
-    }
-  }
-}
-
 int placido_device_next(placido_device *device, placido_frame *frame, int timeout_ms,
                         placido_error *err) {
   (void)timeout_ms;
@@ -93,7 +81,7 @@ int placido_device_next(placido_device *device, placido_frame *frame, int timeou
   assert_int_equal(placido_frame_resize(frame, SIDE, SIDE, PLACIDO_MONO8, err), PLACIDO_OK);
   frame->flags = script->flags;
   frame->seq = (uint64_t)script->contrast; /* so that a test can tell which one it got */
-  draw(frame, script->contrast);
+  rings_draw(frame, script->contrast);
   return PLACIDO_OK;
 }
 

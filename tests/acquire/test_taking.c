@@ -2,6 +2,7 @@
  * devices, the guide and the session's writer are scripts: this file defines their functions
  * itself. */
 #include "acquire/taking.h"
+#include "tests/acquire/rings.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -123,19 +124,6 @@ int placido_device_event(placido_device *device, placido_event *event, int timeo
   return PLACIDO_OK;
 }
 
-/* Square rings: slopes along x or y, which is radial enough for a score. */
-static void draw(placido_frame *frame, int contrast) {
-  for (int y = 0; y < SIDE; y++) {
-    for (int x = 0; x < SIDE; x++) {
-      const int dx = x < SIDE / 2 ? SIDE / 2 - x : x - SIDE / 2;
-      const int dy = y < SIDE / 2 ? SIDE / 2 - y : y - SIDE / 2;
-      const int ring = (dx > dy ? dx : dy) / 4 % 2;
-      frame->data[(size_t)y * frame->stride_bytes + (size_t)x] =
-          (uint8_t)(100 + (ring ? contrast : 0));
-    }
-  }
-}
-
 int placido_device_next(placido_device *device, placido_frame *frame, int timeout_ms,
                         placido_error *err) {
   (void)timeout_ms;
@@ -152,7 +140,7 @@ int placido_device_next(placido_device *device, placido_frame *frame, int timeou
     return placido_error_set(err, step->status, "scripted failure");
   }
   assert_int_equal(placido_frame_resize(frame, SIDE, SIDE, script.format, err), PLACIDO_OK);
-  draw(frame, step->contrast);
+  rings_draw(frame, step->contrast);
   frame->seq = (uint64_t)index;
   frame->t_ns = 1000000000LL + index * FRAME_NS;
   frame->flags = 0;

@@ -1,12 +1,15 @@
 /* Small recorded sessions for tests. */
 #include "tests/base/recording.h"
 
+#include "base/file.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <setjmp.h>
 #include <cmocka.h>
+#include <stdio.h>
 #include <string.h>
 
 void recording_fill(placido_frame *frame, int index, enum placido_format format, int bits,
@@ -75,4 +78,20 @@ void recording_make_in(enum placido_session_codec codec, const char *path, int c
   }
   placido_frame_free(&frame);
   assert_int_equal(placido_session_writer_close(writer, &err), PLACIDO_OK);
+}
+
+char *recording_take(const char *session, const char *name, size_t *size) {
+  char path[PLACIDO_PATH_MAX], *bytes;
+  assert_int_equal(placido_path_join(path, session, name, NULL), PLACIDO_OK);
+  assert_int_equal(placido_file_read(&bytes, size, path, 0, NULL), PLACIDO_OK);
+  return bytes;
+}
+
+void recording_put(const char *session, const char *name, const char *bytes, size_t size) {
+  char path[PLACIDO_PATH_MAX];
+  assert_int_equal(placido_path_join(path, session, name, NULL), PLACIDO_OK);
+  FILE *stream = fopen(path, "wb");
+  assert_non_null(stream);
+  assert_int_equal(fwrite(bytes, 1, size, stream), size);
+  assert_int_equal(fclose(stream), 0);
 }

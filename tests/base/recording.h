@@ -25,4 +25,8 @@ void recording_make(const char *path, int count, enum placido_format format, int
 void recording_make_in(enum placido_session_codec codec, const char *path, int count,
                        enum placido_format format, int bits, int width_px, int height_px);
 
+/* A file of a session, read (free with placido_memory_free); written anew. */
+char *recording_take(const char *session, const char *name, size_t *size);
+void recording_put(const char *session, const char *name, const char *bytes, size_t size);
+
 #endif

@@ -32,22 +32,6 @@ static char *record(void **state, const char *name, enum placido_session_codec c
   return path;
 }
 
-static char *take(const char *session, const char *name, size_t *size) {
-  char path[PLACIDO_PATH_MAX], *bytes;
-  assert_int_equal(placido_path_join(path, session, name, NULL), PLACIDO_OK);
-  assert_int_equal(placido_file_read(&bytes, size, path, 0, NULL), PLACIDO_OK);
-  return bytes;
-}
-
-static void put(const char *session, const char *name, const char *bytes, size_t size) {
-  char path[PLACIDO_PATH_MAX];
-  assert_int_equal(placido_path_join(path, session, name, NULL), PLACIDO_OK);
-  FILE *stream = fopen(path, "wb");
-  assert_non_null(stream);
-  assert_int_equal(fwrite(bytes, 1, size, stream), size);
-  assert_int_equal(fclose(stream), 0);
-}
-
 /* The first finding of a part that is not sound, or NULL. */
 static const placido_finding *find(const placido_findings *findings, const char *part,
                                    enum placido_finding_state state) {
@@ -146,7 +130,7 @@ static void a_check_finds_what_is_wrong(void **state) {
     placido_findings findings;
     placido_session_survey survey;
     if (cases[i].text) {
-      put(path, cases[i].file, cases[i].text, strlen(cases[i].text));
+      recording_put(path, cases[i].file, cases[i].text, strlen(cases[i].text));
     } else {
       assert_int_equal(placido_path_join(file, path, cases[i].file, NULL), PLACIDO_OK);
       assert_int_equal(unlink(file), 0);
@@ -171,13 +155,13 @@ static void a_check_finds_every_flipped_bit(void **state) {
     snprintf(name, sizeof name, "%d.session", i);
     char *path = record(state, name, codecs[i]);
     size_t size;
-    char *video = take(path, "frames.mkv", &size);
+    char *video = recording_take(path, "frames.mkv", &size);
     placido_findings findings;
     placido_session_survey survey;
     int found = 0, tried = 0;
     for (size_t at = size / 4; at < size - size / 4; at += size / 53, tried++) {
       video[at] ^= 4;
-      put(path, "frames.mkv", video, size);
+      recording_put(path, "frames.mkv", video, size);
       found += check(&findings, &survey, path) > 0;
       video[at] ^= 4;
     }
@@ -232,7 +216,7 @@ static void a_repair_keeps_every_whole_frame(void **state) {
     snprintf(name, sizeof name, "%d.session", i);
     char *path = record(state, name, codecs[i]);
     size_t size;
-    char *video = take(path, "frames.mkv", &size);
+    char *video = recording_take(path, "frames.mkv", &size);
     int most = 0, run = 0;
     for (size_t kept = size - 1; kept > size / 101; kept -= size / 101, run++) {
       placido_findings findings;
@@ -240,7 +224,7 @@ static void a_repair_keeps_every_whole_frame(void **state) {
       placido_repair_summary summary;
       snprintf(good_name, sizeof good_name, "%d-%d", i, run);
       char *good = scratch_path(state, good_name);
-      put(path, "frames.mkv", video, kept);
+      recording_put(path, "frames.mkv", video, kept);
       const int left = count_left(path);
       const int status = placido_session_repair(&summary, path, good, NULL, NULL, NULL);
       assert_int_equal(status, left > 0 ? PLACIDO_OK : PLACIDO_INPUT);
@@ -264,17 +248,18 @@ static void a_repair_tells_what_was_lost(void **state) {
   char *path = record(state, "a.session", PLACIDO_CODEC_RAW);
   char *good = scratch_path(state, "good"), *instrument;
   size_t video_size, log_size;
-  char *video = take(path, "frames.mkv", &video_size), *log = take(path, "frames.jsonl", &log_size);
+  char *video = recording_take(path, "frames.mkv", &video_size);
+  char *log = recording_take(path, "frames.jsonl", &log_size);
   placido_repair_summary summary;
   placido_notes notes = {0};
   video[video_size / 2] ^= 1; /* in a frame in the middle */
-  put(path, "frames.mkv", video, video_size);
-  put(path, "frames.jsonl", log, log_size - 20); /* in its last line */
-  put(path, "session.json", "{", 1);
+  recording_put(path, "frames.mkv", video, video_size);
+  recording_put(path, "frames.jsonl", log, log_size - 20); /* in its last line */
+  recording_put(path, "session.json", "{", 1);
   static const char events[] = "{\"t_ns\":1,\"event\":\"trigger\",\"own\":7}\n{\"t_";
-  put(path, "events.jsonl", events, sizeof events - 1);
-  put(path, "truth-surface.json", "{}", 2);
-  instrument = take(path, "instrument.json", &video_size);
+  recording_put(path, "events.jsonl", events, sizeof events - 1);
+  recording_put(path, "truth-surface.json", "{}", 2);
+  instrument = recording_take(path, "instrument.json", &video_size);
   assert_int_equal(placido_session_repair(&summary, path, good, NULL, &notes, NULL), PLACIDO_OK);
   assert_int_equal(summary.kept, FRAMES - 1);
   assert_int_equal(placido_ranges_total(&summary.lost), 1);
@@ -282,14 +267,14 @@ static void a_repair_tells_what_was_lost(void **state) {
   assert_int_equal(summary.bad_events, 1);
   assert_false(summary.has_description);
   assert_int_equal(count_true(good), FRAMES - 1);
-  char *kept = take(good, "events.jsonl", &log_size);
+  char *kept = recording_take(good, "events.jsonl", &log_size);
   assert_non_null(strstr(kept, "\"own\":7"));
   assert_non_null(strstr(kept, "\"repaired\""));
   placido_memory_free(kept);
-  kept = take(good, "truth-surface.json", &log_size);
+  kept = recording_take(good, "truth-surface.json", &log_size);
   assert_string_equal(kept, "{}");
   placido_memory_free(kept);
-  kept = take(good, "instrument.json", &log_size);
+  kept = recording_take(good, "instrument.json", &log_size);
   assert_string_equal(kept, instrument);
   placido_memory_free(kept);
   placido_memory_free(instrument);
@@ -360,13 +345,13 @@ static void exported_samples_are_those_recorded(void **state) {
 static void a_damaged_frame_is_not_exported(void **state) {
   char *path = record(state, "a.session", PLACIDO_CODEC_RAW), *folder = scratch_path(state, "out");
   size_t size;
-  char *video = take(path, "frames.mkv", &size);
+  char *video = recording_take(path, "frames.mkv", &size);
   placido_ranges all = {0}, wanted = {0};
   placido_notes notes = {0};
   placido_error err = {0};
   int64_t count;
   video[size / 2] ^= 1;
-  put(path, "frames.mkv", video, size);
+  recording_put(path, "frames.mkv", video, size);
   assert_int_equal(mkdir(folder, 0777), 0);
   assert_int_equal(
       placido_session_export(&count, path, folder, &all, PLACIDO_EXPORT_PNG, &notes, NULL),

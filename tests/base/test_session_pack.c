@@ -22,22 +22,6 @@
 
 enum { FRAMES = 6, WIDTH = 96, HEIGHT = 64 };
 
-static char *take(const char *session, const char *name, size_t *size) {
-  char path[PLACIDO_PATH_MAX], *bytes;
-  assert_int_equal(placido_path_join(path, session, name, NULL), PLACIDO_OK);
-  assert_int_equal(placido_file_read(&bytes, size, path, 0, NULL), PLACIDO_OK);
-  return bytes;
-}
-
-static void put(const char *session, const char *name, const char *bytes, size_t size) {
-  char path[PLACIDO_PATH_MAX];
-  assert_int_equal(placido_path_join(path, session, name, NULL), PLACIDO_OK);
-  FILE *stream = fopen(path, "wb");
-  assert_non_null(stream);
-  assert_int_equal(fwrite(bytes, 1, size, stream), size);
-  assert_int_equal(fclose(stream), 0);
-}
-
 /* As `placido session pack` does it in place. */
 static int pack(const char *path, placido_error *err) {
   placido_directory workshop;
@@ -95,7 +79,7 @@ static void packing_changes_the_codec_and_nothing_else(void **state) {
     recording_make_in(cases[i].codec, path, FRAMES, cases[i].format, cases[i].bits, WIDTH,
                       HEIGHT);
     for (int k = 0; k < OTHERS; k++) {
-      before[k] = take(path, others[k], &sizes[k]);
+      before[k] = recording_take(path, others[k], &sizes[k]);
     }
     bool needed;
     assert_int_equal(placido_pack_is_needed(&needed, path, NULL), PLACIDO_OK);
@@ -106,7 +90,7 @@ static void packing_changes_the_codec_and_nothing_else(void **state) {
     expect(path, PLACIDO_CODEC_FFV1, FRAMES, cases[i].format, cases[i].bits, WIDTH, HEIGHT);
     for (int k = 0; k < OTHERS; k++) {
       size_t size;
-      char *after = take(path, others[k], &size);
+      char *after = recording_take(path, others[k], &size);
       assert_int_equal(size, sizes[k]);
       assert_memory_equal(after, before[k], size);
       placido_memory_free(after);
@@ -124,31 +108,32 @@ static void a_session_that_is_not_whole_is_not_packed(void **state) {
   size_t size, log_size;
   placido_error err = {0};
   recording_make_in(PLACIDO_CODEC_RAW, path, FRAMES, PLACIDO_MONO8, 8, WIDTH, HEIGHT);
-  char *video = take(path, "frames.mkv", &size), *log = take(path, "frames.jsonl", &log_size);
+  char *video = recording_take(path, "frames.mkv", &size);
+  char *log = recording_take(path, "frames.jsonl", &log_size);
 
-  put(path, "frames.mkv", video, size - 1);
+  recording_put(path, "frames.mkv", video, size - 1);
   assert_int_equal(pack(path, &err), PLACIDO_INPUT);
   assert_non_null(strstr(err.text, "its video has no proper end: not packed"));
 
   video[size / 2] ^= 1;
-  put(path, "frames.mkv", video, size);
+  recording_put(path, "frames.mkv", video, size);
   assert_int_equal(pack(path, &err), PLACIDO_INPUT);
   assert_non_null(strstr(err.text, "a frame is not the one that was recorded: not packed"));
   size_t left_size;
-  char *left = take(path, "frames.mkv", &left_size);
+  char *left = recording_take(path, "frames.mkv", &left_size);
   assert_int_equal(left_size, size);
   assert_memory_equal(left, video, size);
   video[size / 2] ^= 1;
-  put(path, "frames.mkv", video, size);
+  recording_put(path, "frames.mkv", video, size);
 
-  put(path, "frames.jsonl", log, log_size - 5);
+  recording_put(path, "frames.jsonl", log, log_size - 5);
   assert_int_equal(pack(path, &err), PLACIDO_INPUT);
   assert_non_null(strstr(err.text, "frames.jsonl has bad lines: not packed"));
   static const char beyond[] = "{\"index\":6,\"timestamp_ns\":9000000000}\n";
-  put(path, "frames.jsonl", beyond, sizeof beyond - 1);
+  recording_put(path, "frames.jsonl", beyond, sizeof beyond - 1);
   assert_int_equal(pack(path, &err), PLACIDO_INPUT);
   assert_non_null(strstr(err.text, "frames.jsonl has frames that the video has not"));
-  put(path, "frames.jsonl", log, log_size);
+  recording_put(path, "frames.jsonl", log, log_size);
 
   assert_int_equal(scratch_count(path), 5); /* nothing was left behind */
   assert_int_equal(pack(path, &err), PLACIDO_OK);
@@ -235,7 +220,7 @@ static void a_file_of_anothers_is_not_touched(void **state) {
   placido_error err = {0};
   recording_make_in(PLACIDO_CODEC_RAW, path, FRAMES, PLACIDO_MONO8, 8, WIDTH, HEIGHT);
   assert_int_equal(mkdir(folder, 0777), 0);
-  put(folder, "letter.txt", "dear", 4);
+  recording_put(folder, "letter.txt", "dear", 4);
   assert_int_equal(pack(path, &err), PLACIDO_SYSTEM);
   assert_non_null(strstr(err.text, "cannot make"));
   assert_int_equal(scratch_count(folder), 1);

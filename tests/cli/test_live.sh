@@ -39,7 +39,7 @@ says '^3 frames judged' out.txt
 
 if [ "$SESSIONS" = ON ]; then
   "$PLACIDO" phantom --eye keratoconus --instrument cone24 --noise 3 --frames 12 -o eye.session -q
-  succeed live eye.session
+  succeed live 'eye.session?speed=0'
   says ' blink ' out.txt
   says '^12 frames judged' out.txt
 fi

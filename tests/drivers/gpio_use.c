@@ -6,9 +6,8 @@
 #include <stdint.h>
 #include <setjmp.h>
 #include <cmocka.h>
-#include <string.h>
 
-static const placido_driver *const driver = &placido_gpio_driver;
+const placido_driver *const driver = &placido_gpio_driver;
 
 int64_t at(double ms) {
   return 5000000000 + (int64_t)(ms * FAKE_MS);
@@ -35,38 +34,5 @@ void *open_chip(const char *address) {
 }
 
 void *start_chip(const char *address) {
-  void *chip = open_chip(address);
-  placido_error err = {0};
-  if (driver->start(chip, &err)) {
-    fail_msg("%s", err.text);
-  }
-  return chip;
-}
-
-void assert_says(const placido_error *err, const char *text) {
-  if (!strstr(err->text, text)) {
-    fail_msg("\"%s\" does not say \"%s\"", err->text, text);
-  }
-}
-
-size_t control_index(void *chip, const char *name) {
-  size_t count;
-  const placido_control *controls = driver->controls(chip, &count);
-  for (size_t i = 0; i < count; i++) {
-    if (strcmp(controls[i].name, name) == 0) {
-      return i;
-    }
-  }
-  fail_msg("no control %s", name);
-  return 0;
-}
-
-void set(void *chip, const char *name, double value) {
-  assert_int_equal(driver->set(chip, control_index(chip, name), value, NULL), PLACIDO_OK);
-}
-
-double get(void *chip, const char *name) {
-  double value;
-  assert_int_equal(driver->get(chip, control_index(chip, name), &value, NULL), PLACIDO_OK);
-  return value;
+  return started(open_chip(address));
 }

@@ -11,8 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const placido_driver *const driver = &placido_gpio_driver;
-
 static void refuse(const char *address, int status, const char *text) {
   void *chip;
   placido_error err = {0};
@@ -33,13 +31,13 @@ static void lights_shine_only_between_set_and_stop(void **state) {
   set(chip, "fixation", 1);
   assert_int_equal(light->voltage, 1);
   assert_int_equal(fixation->voltage, 0);
-  assert_int_equal(get(chip, "light"), 1);
+  assert_int_equal(value_of(chip, "light"), 1);
   assert_int_equal(driver->start(chip, NULL), PLACIDO_OK);
   assert_int_equal(light->voltage, 1);
   assert_int_equal(driver->stop(chip, NULL), PLACIDO_OK);
   assert_int_equal(light->voltage, 0);
   assert_int_equal(fixation->voltage, 1);
-  assert_int_equal(get(chip, "fixation"), 0);
+  assert_int_equal(value_of(chip, "fixation"), 0);
   assert_int_equal(driver->start(chip, NULL), PLACIDO_OK);
   assert_int_equal(light->voltage, 0);
   set(chip, "light", 1);
@@ -129,9 +127,9 @@ static void only_what_is_wired_has_controls(void **state) {
   assert_int_equal(driver->event(chip, &event, 0, NULL), PLACIDO_UNSUPPORTED);
   driver->close(chip);
   chip = open_chip("/dev/gpiochip0?pedal=7&debounce_ms=12.5");
-  assert_true(get(chip, "debounce_ms") == 12.5);
+  assert_true(value_of(chip, "debounce_ms") == 12.5);
   set(chip, "debounce_ms", 30);
-  assert_true(get(chip, "debounce_ms") == 30);
+  assert_true(value_of(chip, "debounce_ms") == 30);
   assert_int_equal(driver->set(chip, control_index(chip, "pedal"), 1, NULL),
                    PLACIDO_UNSUPPORTED);
   driver->close(chip);

@@ -8,8 +8,6 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
-static const placido_driver *const driver = &placido_gpio_driver;
-
 static void expect_event(void *chip, const char *name, int value, int64_t t_ns, uint64_t seq) {
   placido_event event;
   placido_error err = {0};
@@ -40,8 +38,8 @@ static void a_press_that_bounces_is_one_event_at_its_first_edge(void **state) {
   expect_event(chip, "pedal", 1, at(100), 1);
   /* certain 20 ms after the last bounce; a wait is rounded up to whole milliseconds */
   assert_true(gpio_fake.clock_ns >= at(123.1) && gpio_fake.clock_ns < at(124.2));
-  assert_int_equal(get(chip, "pedal"), 1);
-  assert_int_equal(get(chip, "bounce_count"), 4);
+  assert_int_equal(value_of(chip, "pedal"), 1);
+  assert_int_equal(value_of(chip, "bounce_count"), 4);
   expect_event(chip, "pedal", 0, at(400), 2);
   expect_silence(chip, 300);
   driver->close(chip);
@@ -71,7 +69,7 @@ static void a_long_queue_of_bounces_is_read_to_its_end(void **state) {
   void *chip = start_chip("/dev/gpiochip0?pedal=7");
   gpio_fake.clock_ns = at(200);
   expect_event(chip, "pedal", 1, at(100), 1);
-  assert_int_equal(get(chip, "bounce_count"), FAKE_QUEUE - 2);
+  assert_int_equal(value_of(chip, "bounce_count"), FAKE_QUEUE - 2);
   driver->close(chip);
 }
 
@@ -82,7 +80,7 @@ static void a_glitch_and_a_pedal_held_at_the_start_are_no_events(void **state) {
   gpio_fake_pull(51, 7, 1);
   gpio_fake_pull(500, 7, 0);
   void *chip = start_chip("/dev/gpiochip0?pedal=7");
-  assert_int_equal(get(chip, "pedal"), 1);
+  assert_int_equal(value_of(chip, "pedal"), 1);
   expect_silence(chip, 400);
   expect_event(chip, "pedal", 0, at(500), 1);
   driver->close(chip);
@@ -99,7 +97,7 @@ static void triggers_are_numbered_however_short(void **state) {
     expect_event(chip, "trigger", 1, at(33 * i + 1), (uint64_t)i + 1);
   }
   expect_silence(chip, 100);
-  assert_int_equal(get(chip, "trigger_count"), 40);
+  assert_int_equal(value_of(chip, "trigger_count"), 40);
   driver->close(chip);
 }
 
@@ -150,7 +148,7 @@ static void a_lost_release_does_not_leave_the_pedal_pressed(void **state) {
     gpio_fake_pull(100 + i * 0.5, 7, i % 2);
   }
   void *chip = start_chip("/dev/gpiochip0?pedal=7");
-  assert_int_equal(get(chip, "pedal"), 1);
+  assert_int_equal(value_of(chip, "pedal"), 1);
   gpio_fake.clock_ns = at(200);
   expect_event(chip, "pedal", 0, at(200), 1); /* when it was seen */
   expect_silence(chip, 500);
@@ -165,7 +163,7 @@ static void what_came_before_the_start_is_not_told(void **state) {
   void *chip = open_chip("/dev/gpiochip0?trigger=4&pedal=7");
   gpio_fake.clock_ns = at(50);
   assert_int_equal(driver->start(chip, NULL), PLACIDO_OK);
-  assert_int_equal(get(chip, "pedal"), 1);
+  assert_int_equal(value_of(chip, "pedal"), 1);
   expect_silence(chip, 200);
   driver->close(chip);
 }
@@ -202,7 +200,7 @@ static void an_unplugged_chip_is_gone_and_found_again_dark(void **state) {
   gpio_fake_pull(9000, 7, 1);
   assert_int_equal(driver->start(chip, &err), PLACIDO_OK);
   assert_int_equal(gpio_fake.lines[5].voltage, 0);
-  assert_int_equal(get(chip, "light"), 0);
+  assert_int_equal(value_of(chip, "light"), 0);
   gpio_fake.clock_ns = at(8900);
   expect_event(chip, "pedal", 1, at(9000), 1);
   driver->close(chip);

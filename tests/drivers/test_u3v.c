@@ -10,8 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const placido_driver *const driver = &placido_u3v_driver;
-
 static void assert_refused(const char *address, int status, const char *text) {
   void *camera;
   placido_error err = {0};

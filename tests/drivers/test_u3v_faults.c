@@ -13,8 +13,6 @@
 #include <cmocka.h>
 #include <string.h>
 
-static const placido_driver *const driver = &placido_u3v_driver;
-
 /* How long a day with a camera may take, at most, on the camera's clock: each of its calls that is
  * not answered is asked five times. A loop would pass it. */
 #define DAY_MAX_NS 2000000000000

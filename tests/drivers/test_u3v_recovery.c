@@ -9,8 +9,6 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
-static const placido_driver *const driver = &placido_u3v_driver;
-
 /* Out of step: the picture is lost, and counted; the stream begins anew. Where an end is missing,
  * the next beginning has been taken for it. */
 static void a_lost_beginning_or_end_costs_what_is_counted(void **state) {

@@ -9,8 +9,6 @@
 #include <cmocka.h>
 #include <string.h>
 
-static const placido_driver *const driver = &placido_u3v_driver;
-
 static void pictures_come_bit_for_bit(void **state) {
   (void)state;
   void *camera = start_camera("");

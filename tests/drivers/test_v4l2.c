@@ -15,8 +15,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const placido_driver *const driver = &placido_v4l2_driver;
-
 /* Every format of the table, as the only one that the camera has. */
 static void every_format_is_agreed_and_streamed(void **state) {
   size_t count;

@@ -13,8 +13,6 @@
 #include <cmocka.h>
 #include <string.h>
 
-static const placido_driver *const driver = &placido_v4l2_driver;
-
 /* Through every way to the pictures: a queue, a multiplanar queue, read(). */
 static void pictures_arrive_bit_by_bit(void **state) {
   for (int way = 0; way < 3; way++) {

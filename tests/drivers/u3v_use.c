@@ -6,9 +6,8 @@
 #include <stdint.h>
 #include <setjmp.h>
 #include <cmocka.h>
-#include <string.h>
 
-static const placido_driver *const driver = &placido_u3v_driver;
+const placido_driver *const driver = &placido_u3v_driver;
 
 int reset(void **state) {
   (void)state;
@@ -31,23 +30,7 @@ void *open_camera(const char *address, placido_notes *notes) {
 }
 
 void *start_camera(const char *address) {
-  void *camera = open_camera(address, NULL);
-  placido_error err = {0};
-  if (driver->start(camera, &err)) {
-    fail_msg("%s", err.text);
-  }
-  return camera;
-}
-
-void stop_camera(void *camera) {
-  assert_int_equal(driver->stop(camera, NULL), PLACIDO_OK);
-  driver->close(camera);
-}
-
-placido_device_statistics counts_of(const void *camera) {
-  placido_device_statistics counts;
-  driver->statistics(camera, &counts);
-  return counts;
+  return started(open_camera(address, NULL));
 }
 
 void assert_counts(const void *camera, uint64_t frames, uint64_t dropped, uint64_t corrupt,
@@ -58,13 +41,6 @@ void assert_counts(const void *camera, uint64_t frames, uint64_t dropped, uint64
   assert_int_equal(counts.corrupt, corrupt);
   assert_int_equal(counts.truncated, truncated);
   assert_int_equal(counts.restarts, restarts);
-}
-
-void take(void *camera, placido_frame *frame) {
-  placido_error err = {0};
-  if (driver->next(camera, frame, 500, &err)) {
-    fail_msg("%s", err.text);
-  }
 }
 
 void take_picture_of(void *camera, placido_frame *frame, uint64_t id, int black_rows) {
@@ -81,38 +57,4 @@ void take_picture_of(void *camera, placido_frame *frame, uint64_t id, int black_
     }
   }
   assert_int_equal((frame->flags & PLACIDO_FRAME_TRUNCATED) != 0, black_rows > 0);
-}
-
-void assert_says(const placido_error *err, const char *text) {
-  if (!strstr(err->text, text)) {
-    fail_msg("\"%s\" does not say \"%s\"", err->text, text);
-  }
-}
-
-size_t control_index(void *camera, const char *name) {
-  size_t count;
-  const placido_control *controls = driver->controls(camera, &count);
-  for (size_t i = 0; i < count; i++) {
-    if (strcmp(controls[i].name, name) == 0) {
-      return i;
-    }
-  }
-  fail_msg("no control %s", name);
-  return 0;
-}
-
-double value_of(void *camera, const char *name) {
-  double value;
-  placido_error err = {0};
-  if (driver->get(camera, control_index(camera, name), &value, &err)) {
-    fail_msg("%s", err.text);
-  }
-  return value;
-}
-
-void set(void *camera, const char *name, double value) {
-  placido_error err = {0};
-  if (driver->set(camera, control_index(camera, name), value, &err)) {
-    fail_msg("%s", err.text);
-  }
 }

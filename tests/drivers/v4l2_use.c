@@ -8,10 +8,10 @@
 #include <cmocka.h>
 #include <string.h>
 
-static const placido_driver *const driver = &placido_v4l2_driver;
+const placido_driver *const driver = &placido_v4l2_driver;
 
 const uint8_t grey[32] = {1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16,
-                                 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32};
+                          17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32};
 
 int reset(void **state) {
   (void)state;
@@ -21,7 +21,6 @@ int reset(void **state) {
   return 0;
 }
 
-/* Nothing of the camera is held any more. */
 int nothing_is_left(void **state) {
   (void)state;
   return fake.open_count == 0 && fake.mapped_count == 0 ? 0 : -1;
@@ -37,48 +36,7 @@ void *open_camera(const char *address, placido_notes *notes) {
 }
 
 void *start_camera(const char *address) {
-  void *camera = open_camera(address, NULL);
-  placido_error err = {0};
-  if (driver->start(camera, &err)) {
-    fail_msg("%s", err.text);
-  }
-  return camera;
-}
-
-void stop_camera(void *camera) {
-  assert_int_equal(driver->stop(camera, NULL), PLACIDO_OK);
-  driver->close(camera);
-}
-
-placido_device_statistics counts_of(const void *camera) {
-  placido_device_statistics counts;
-  driver->statistics(camera, &counts);
-  return counts;
-}
-
-void take(void *camera, placido_frame *frame) {
-  placido_error err = {0};
-  if (driver->next(camera, frame, 100, &err)) {
-    fail_msg("%s", err.text);
-  }
-}
-
-void assert_says(const placido_error *err, const char *text) {
-  if (!strstr(err->text, text)) {
-    fail_msg("\"%s\" does not say \"%s\"", err->text, text);
-  }
-}
-
-size_t control_index(void *camera, const char *name) {
-  size_t count;
-  const placido_control *controls = driver->controls(camera, &count);
-  for (size_t i = 0; i < count; i++) {
-    if (strcmp(controls[i].name, name) == 0) {
-      return i;
-    }
-  }
-  fail_msg("no control %s", name);
-  return 0;
+  return started(open_camera(address, NULL));
 }
 
 void have_controls(void) {

@@ -135,12 +135,12 @@ int placido_window_frame(placido_window *window, const placido_frame *frame, pla
 
 void placido_window_dot(placido_window *window, double u_px, double v_px,
                         placido_window_ink ink) {
-  const int x = cvRound(u_px * window->scale), y = cvRound(v_px * window->scale);
-  if (x >= 0 && y >= 0 && x < window->picture.cols && y < window->picture.rows) {
-    window->picture.at<cv::Vec3b>(y, x) = cv::Vec3b(static_cast<unsigned char>(ink.blue),
-                                                    static_cast<unsigned char>(ink.green),
-                                                    static_cast<unsigned char>(ink.red));
-  }
+  guarded(nullptr, [&] {
+    const double place_px[2] = {u_px, v_px};
+    cv::circle(window->picture, place_of(window, place_px), 1 << SUBPIXEL_BITS, colour_of(ink),
+               cv::FILLED, cv::LINE_8, SUBPIXEL_BITS);
+    return static_cast<int>(PLACIDO_OK);
+  });
 }
 
 void placido_window_line(placido_window *window, const double from_px[2], const double to_px[2],
