@@ -8,7 +8,8 @@
 #define ENDLESS_FRAMES 48 /* one to three seconds of a camera, between two blinks */
 #define FRAME_TIMEOUT_MS 5000
 
-/* The search: `taken` are the best frames so far, the best first; `next` is the one being looked at. */
+/* The search: `taken` are the best frames so far, the best first; `next` is the one being looked
+ * at. */
 struct search {
   placido_choice *taken;
   placido_frame *frames; /* of `taken` */
@@ -28,8 +29,8 @@ static bool is_better(double score, bool damaged, const placido_choice *taken,
   return damaged != is_damaged(frame) ? !damaged : score > taken->score;
 }
 
-/* Puts the next frame in its place among the best, if it has one there; the one that falls out lends
- * its memory to the next. */
+/* Puts the next frame in its place among the best, if it has one there; the one that falls out
+ * lends its memory to the next. */
 static void place_next(struct search *search, double score) {
   const bool damaged = is_damaged(&search->next);
   size_t place = search->count;
@@ -96,9 +97,8 @@ static int look_through(struct search *search, placido_device *device, placido_e
 
 static int refuse_nothing(const struct search *search, const char *uri, placido_error *err) {
   if (search->wanted >= search->seen && search->seen > 0) {
-    return placido_error_set(err, PLACIDO_INPUT,
-                             "%s has no frame %ld: it has %ld, counted from 0", uri,
-                             search->wanted, search->seen);
+    return placido_error_set(err, PLACIDO_INPUT, "%s has no frame %ld: it has %ld, counted from 0",
+                             uri, search->wanted, search->seen);
   }
   if (search->wanted >= 0 && search->seen > 0) {
     return placido_error_set(err, PLACIDO_INPUT, "%s: frame %ld is damaged and cannot be decoded",

@@ -8,9 +8,8 @@ int combination_capture(struct examination *examination, placido_device *device,
   struct combination *combination = &examination->combination;
   placido_notes *notes = &examination->outcome->notes;
   const size_t asked = (size_t)examination->settings->combine;
-  const int status =
-      placido_frames_choose(combination->frames, combination->choices, asked,
-                            &combination->chosen, device, notes, err);
+  const int status = placido_frames_choose(combination->frames, combination->choices, asked,
+                                           &combination->chosen, device, notes, err);
   if (status != PLACIDO_OK) {
     return status;
   }
@@ -34,8 +33,8 @@ static int find_others(struct examination *examination, placido_mires *list,
     placido_error why = {0};
     placido_mires *mires = &list[combination->count];
     const long index = combination->choices[i].index;
-    const int status = placido_mires_find(mires, &combination->frames[i],
-                                          &examination->instrument, options, NULL, &why);
+    const int status = placido_mires_find(mires, &combination->frames[i], &examination->instrument,
+                                          options, NULL, &why);
     placido_frame_free(&combination->frames[i]);
     if (status == PLACIDO_OK) {
       combination->index[combination->count++] = index;
@@ -61,8 +60,7 @@ static void note_outsiders(const struct combination *combination, placido_notes 
 }
 
 /* The combined mires of `list` take the place of the examination's. */
-static int combine(struct examination *examination, const placido_mires *list,
-                   placido_error *err) {
+static int combine(struct examination *examination, const placido_mires *list, placido_error *err) {
   struct combination *combination = &examination->combination;
   const placido_fit_options options = {.axis_z_mm = examination->axis_z_mm,
                                        .knot_mm = examination->settings->knot_mm,

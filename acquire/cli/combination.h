@@ -10,12 +10,12 @@ struct examination;
 
 /* Zeroed at first. */
 struct combination {
-  size_t chosen;                                /* frames, the best among them; 0: it is alone */
-  placido_frame frames[PLACIDO_COMBINE_MAX];    /* until their mires are found; [0] is empty, the
-                                                   best is the examination's */
+  size_t chosen;                             /* frames, the best among them; 0: it is alone */
+  placido_frame frames[PLACIDO_COMBINE_MAX]; /* until their mires are found; [0] is empty, the
+                                                best is the examination's */
   placido_choice choices[PLACIDO_COMBINE_MAX];
-  size_t count;                                 /* frames with mires, the best first */
-  long index[PLACIDO_COMBINE_MAX];              /* of each in its recording */
+  size_t count;                    /* frames with mires, the best first */
+  long index[PLACIDO_COMBINE_MAX]; /* of each in its recording */
   placido_movement movements[PLACIDO_COMBINE_MAX];
   double offset_px[2]; /* of the best frame's mires (u, v) from the combined ones */
 };

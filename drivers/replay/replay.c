@@ -1,5 +1,5 @@
-/* A recorded session, or one image file, as a device: its frames in order, in the time in which they
- * were recorded or at another speed, with such faults as a script asks for.
+/* A recorded session, or one image file, as a device: its frames in order, in the time in which
+ * they were recorded or at another speed, with such faults as a script asks for.
  *
  * A frame that cannot be decoded is told as PLACIDO_INPUT in its turn, so that whoever counts
  * frames counts as the recording does; the message of PLACIDO_END says how many there were. */
@@ -198,13 +198,13 @@ static bool is_lost(replay *state) {
   if (t_ns < state->absent_t_ns) {
     return true;
   }
-  state->strike = placido_strikes_at(&state->strikes, state->source.frame_count - 1,
-                                     t_ns - state->origin_t_ns);
+  state->strike =
+      placido_strikes_at(&state->strikes, state->source.frame_count - 1, t_ns - state->origin_t_ns);
   return state->strike.any[PLACIDO_FAULT_DROP];
 }
 
-/* Takes the next frame that comes. A row of lost ones may last beyond the deadline: for a few of them
- * that does not count at speed 0, where a loss takes no time. */
+/* Takes the next frame that comes. A row of lost ones may last beyond the deadline: for a few of
+ * them that does not count at speed 0, where a loss takes no time. */
 static int fetch(replay *state, int64_t deadline_ns, placido_error *err) {
   int passed_over = state->settings[SPEED] > 0 ? 0 : LOST_AT_ONCE;
   int status = take(state, err);
@@ -277,7 +277,8 @@ static int strike_out(replay *state, placido_error *err) {
   state->source.damaged_count++;
   state->statistics.corrupt++;
   return placido_error_set(err, PLACIDO_INPUT, "frame %lld of %s is damaged, as its script says",
-                           (long long)state->source.frame_count - 1, placido_text_tail(state->info.uri));
+                           (long long)state->source.frame_count - 1,
+                           placido_text_tail(state->info.uri));
 }
 
 static bool is_struck_out(const placido_strike *strike) {
@@ -288,8 +289,8 @@ static bool is_struck_out(const placido_strike *strike) {
 /* Copies the waiting frame into the caller's. */
 static int give(replay *state, placido_frame *frame, placido_error *err) {
   const placido_frame *waiting = &state->source.frame;
-  int status = placido_frame_resize(frame, waiting->width_px, waiting->height_px, waiting->format,
-                                    err);
+  int status =
+      placido_frame_resize(frame, waiting->width_px, waiting->height_px, waiting->format, err);
   if (status) {
     return status;
   }

@@ -7,22 +7,22 @@
 
 /* Zeroed before it is opened. */
 typedef struct placido_replay_source {
-  char uri[1024];                    /* for messages */
-  placido_session_reader *session;   /* NULL: one image */
-  double rate_hz;                    /* NaN where not known */
-  placido_frame frame;               /* the last one taken; of an image: the image */
-  int64_t frame_count;               /* taken since the last rewind, decoded or not */
-  int64_t damaged_count;             /* of these: not decoded */
-  bool is_moved;                     /* not at its first frame any more */
-  bool joins;                        /* the next frame is the first of a further round */
-  int64_t round_count;               /* decoded since this round's beginning */
-  int64_t shift_t_ns, shift_seq;     /* what the rounds before this one add */
-  int64_t last_t_ns;                 /* of the last one decoded */
+  char uri[1024];                  /* for messages */
+  placido_session_reader *session; /* NULL: one image */
+  double rate_hz;                  /* NaN where not known */
+  placido_frame frame;             /* the last one taken; of an image: the image */
+  int64_t frame_count;             /* taken since the last rewind, decoded or not */
+  int64_t damaged_count;           /* of these: not decoded */
+  bool is_moved;                   /* not at its first frame any more */
+  bool joins;                      /* the next frame is the first of a further round */
+  int64_t round_count;             /* decoded since this round's beginning */
+  int64_t shift_t_ns, shift_seq;   /* what the rounds before this one add */
+  int64_t last_t_ns;               /* of the last one decoded */
   uint64_t last_seq;
 } placido_replay_source;
 
-/* Opens the session or image, and tells of it in `info`, whose uri is used in messages. Close in any
- * case. */
+/* Opens the session or image, and tells of it in `info`, whose uri is used in messages. Close in
+ * any case. */
 int placido_replay_source_open(placido_replay_source *source, placido_device_info *info,
                                const char *path, placido_notes *notes, placido_error *err);
 void placido_replay_source_close(placido_replay_source *source);

@@ -31,8 +31,7 @@ static void turn_vector(const double turn[3], bool back, const double in[3], dou
   }
 }
 
-void placido_pose_carry(const placido_pose *pose, const double point_mm[3],
-                        double carried_mm[3]) {
+void placido_pose_carry(const placido_pose *pose, const double point_mm[3], double carried_mm[3]) {
   double from_pivot[3];
   for (int i = 0; i < 3; i++) {
     from_pivot[i] = point_mm[i] - pose->pivot_mm[i];
@@ -100,10 +99,10 @@ static void row_of(double row[FREEDOMS], const placido_sample *s, const placido_
       v[2] = w[0] * arm[1] - w[1] * arm[0];
     }
     double dz = v[2] - h->p * v[0] - h->q * v[1];
-    double dp = -w[1] - h->p * w[1] * h->p - h->q * (w[2] - w[0] * h->p) - h->xx * v[0] -
-                h->xy * v[1];
-    double dq = w[0] - h->p * (w[1] * h->q - w[2]) + h->q * w[0] * h->q - h->xy * v[0] -
-                h->yy * v[1];
+    double dp =
+        -w[1] - h->p * w[1] * h->p - h->q * (w[2] - w[0] * h->p) - h->xx * v[0] - h->xy * v[1];
+    double dq =
+        w[0] - h->p * (w[1] * h->q - w[2]) + h->q * w[0] * h->q - h->xy * v[0] - h->yy * v[1];
     row[i] = (m->by_z * dz + m->by_p * dp + m->by_q * dq) / s->slope;
   }
 }

@@ -1,5 +1,5 @@
-/* The best frame is chosen, or it is said why not, whatever a device does: every fault that a replay
- * can be told to have. */
+/* The best frame is chosen, or it is said why not, whatever a device does: every fault that a
+ * replay can be told to have. */
 #include "acquire/acquire.h"
 #include "tests/base/recording.h"
 #include "tests/base/scratch.h"
@@ -20,8 +20,8 @@ static void record(const char *path) {
   placido_session_info info = recording_info(PLACIDO_MONO8, 8);
   placido_session_writer *writer;
   placido_frame frame = {0};
-  assert_int_equal(
-      placido_session_writer_create(&writer, path, &info, RECORDING_INSTRUMENT, NULL), PLACIDO_OK);
+  assert_int_equal(placido_session_writer_create(&writer, path, &info, RECORDING_INSTRUMENT, NULL),
+                   PLACIDO_OK);
   for (int i = 0; i < FRAMES; i++) {
     recording_fill(&frame, i, PLACIDO_MONO8, 8, SIDE, SIDE);
     for (int at = 0; at < SIDE * SIDE; at++) {

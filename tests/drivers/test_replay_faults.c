@@ -83,9 +83,9 @@ static void a_wrong_script_is_refused_with_its_line(void **state) {
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     placido_faults faults;
     placido_error err = {0};
-    assert_int_equal(placido_faults_parse(&faults, cases[i].text, strlen(cases[i].text),
-                                          "bad.faults", &err),
-                     PLACIDO_INPUT);
+    assert_int_equal(
+        placido_faults_parse(&faults, cases[i].text, strlen(cases[i].text), "bad.faults", &err),
+        PLACIDO_INPUT);
     if (!strstr(err.text, cases[i].message)) {
       fail_msg("\"%s\" gave: %s", cases[i].text, err.text);
     }
@@ -208,10 +208,9 @@ static void what_was_done_is_counted(void **state) {
   placido_device_close(device);
 }
 
-/* What a fault leaves of the samples: above the cut and outside the garbled rows all is as it was. */
+/* Above the cut and outside the garbled rows all is as it was. */
 static void spoiled_frames_look_spoiled(void **state) {
-  placido_device *device =
-      open_with(state, "at frame 0 truncate\nat frame 1 corrupt", "speed=0");
+  placido_device *device = open_with(state, "at frame 0 truncate\nat frame 1 corrupt", "speed=0");
   placido_frame frame = {0}, whole = {0};
   assert_int_equal(placido_device_start(device, NULL), PLACIDO_OK);
   for (int i = 0; i < 2; i++) {
@@ -233,7 +232,8 @@ static void spoiled_frames_look_spoiled(void **state) {
 }
 
 static void faults_count_on_through_the_rounds(void **state) {
-  placido_device *device = open_with(state, "at frame 9 drop 2\nat 480ms truncate", "speed=0&loop=1");
+  placido_device *device =
+      open_with(state, "at frame 9 drop 2\nat 480ms truncate", "speed=0&loop=1");
   char told[64];
   play(told, device, 14, 0);
   assert_string_equal(told, "01234567812t345"); /* the tenth and the eleventh are lost */

@@ -94,9 +94,8 @@ static void measure(double error_um[2], placido_mires *mires, const double shift
   placido_surface_free(truth);
 }
 
-static void combine(placido_mires *combined, placido_movement *movements,
-                    const placido_mires *list, size_t count,
-                    const placido_instrument *instrument) {
+static void combine(placido_mires *combined, placido_movement *movements, const placido_mires *list,
+                    size_t count, const placido_instrument *instrument) {
   placido_error err = {0};
   const placido_fit_options options = {.threads = 2};
   if (placido_mires_combine(combined, movements, list, count, instrument, &options, &err)) {
@@ -190,7 +189,8 @@ static void movement_is_told_and_does_no_harm(void **state) {
       j++;
       assert_true(j < expected.count);
     }
-    worst = fmax(worst, hypot(p->u_px - expected.points[j].u_px, p->v_px - expected.points[j].v_px));
+    worst =
+        fmax(worst, hypot(p->u_px - expected.points[j].u_px, p->v_px - expected.points[j].v_px));
   }
   print_message("worst %.4f px\n", worst);
   assert_true(worst < 0.01);
@@ -257,9 +257,9 @@ static void what_does_not_match_is_refused(void **state) {
   assert_null(combined.points);
   assert_int_equal(placido_mires_combine(&combined, NULL, list, 0, &instrument, NULL, &err),
                    PLACIDO_INPUT);
-  assert_int_equal(
-      placido_mires_combine(&combined, NULL, list, PLACIDO_COMBINE_MAX + 1, &instrument, NULL, &err),
-      PLACIDO_INPUT);
+  assert_int_equal(placido_mires_combine(&combined, NULL, list, PLACIDO_COMBINE_MAX + 1,
+                                         &instrument, NULL, &err),
+                   PLACIDO_INPUT);
   placido_mires_free(&list[0]);
 }
 
