@@ -2,7 +2,7 @@
 #include "acquire/scorer.h"
 
 #include "acquire/acquire.h"
-#include "drivers/clock.h"
+#include "base/clock.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
 
 #include "acquire/codec.h"
 #include "acquire/scorer.h"
-#include "drivers/clock.h"
+#include "base/clock.h"
 
 #include <math.h>
 #include <stdio.h>

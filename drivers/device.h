@@ -2,7 +2,7 @@
 #ifndef PLACIDO_DRIVERS_DEVICE_H
 #define PLACIDO_DRIVERS_DEVICE_H
 
-#include "drivers/clock.h"
+#include "base/clock.h"
 #include "drivers/driver.h"
 
 /* As placido_device_open, of what stands behind the colon of a URI; the driver need not be in the

@@ -3,7 +3,7 @@
 #ifndef PLACIDO_DRIVERS_REPLUG_H
 #define PLACIDO_DRIVERS_REPLUG_H
 
-#include "drivers/clock.h"
+#include "base/clock.h"
 #include "drivers/driver.h"
 
 #include <stdbool.h>

@@ -2,6 +2,7 @@
  * anywhere but in one poll. */
 #include "gadget/server.h"
 
+#include "base/clock.h"
 #include "base/memory.h"
 #include "gadget/introduction.h"
 #include "gadget/listen.h"
@@ -12,7 +13,6 @@
 #include <poll.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #define NS_PER_MS 1000000
@@ -36,12 +36,6 @@ struct placido_gadget_server {
   bool is_leaving;     /* hangs up as soon as the answer is sent */
   bool is_stopped;
 };
-
-int64_t placido_gadget_now_ns(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
-}
 
 static int system_error(const char *what, placido_error *err) {
   return placido_error_set(err, PLACIDO_SYSTEM, "%s: %s", what, strerror(errno));
@@ -149,7 +143,7 @@ void placido_gadget_server_stop(placido_gadget_server *server) {
 
 void placido_gadget_server_unplug(placido_gadget_server *server, int64_t away_ns) {
   hang_up(server);
-  server->back_ns = placido_gadget_now_ns() + away_ns;
+  server->back_ns = placido_clock_now_ns() + away_ns;
 }
 
 /* Every `take_` handles one whole piece of what comes in, and says what is expected next. A status
@@ -347,7 +341,7 @@ static int live(placido_gadget_server *server, int64_t now_ns, int64_t *due_ns,
 int placido_gadget_server_turn(placido_gadget_server *server, int timeout_ms,
                                placido_error *err) {
   enum { WIRE, LISTENER, COMMANDS, DESCRIPTORS };
-  int64_t now_ns = placido_gadget_now_ns(), due_ns;
+  int64_t now_ns = placido_clock_now_ns(), due_ns;
   int status = live(server, now_ns, &due_ns, err);
   if (status != PLACIDO_OK || server->is_stopped) {
     return status;
@@ -362,7 +356,7 @@ int placido_gadget_server_turn(placido_gadget_server *server, int timeout_ms,
   if (poll(polled, DESCRIPTORS, patience_ms(now_ns, due_ns, timeout_ms)) < 0) {
     return errno == EINTR ? PLACIDO_OK : system_error("poll", err);
   }
-  now_ns = placido_gadget_now_ns();
+  now_ns = placido_clock_now_ns();
   (void)placido_gadget_tick(server->options.gadget, now_ns); /* commands find the time right */
   if (polled[LISTENER].revents) {
     accept_client(server, now_ns);
@@ -383,10 +377,10 @@ int placido_gadget_server_turn(placido_gadget_server *server, int timeout_ms,
 int placido_gadget_server_run(placido_gadget_server *server, int64_t until_ns,
                               placido_error *err) {
   int status = PLACIDO_OK;
-  int64_t now_ns = placido_gadget_now_ns();
+  int64_t now_ns = placido_clock_now_ns();
   while (status == PLACIDO_OK && !server->is_stopped && now_ns < until_ns) {
     status = placido_gadget_server_turn(server, patience_ms(now_ns, until_ns, -1), err);
-    now_ns = placido_gadget_now_ns();
+    now_ns = placido_clock_now_ns();
   }
   return status;
 }

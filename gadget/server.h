@@ -56,7 +56,4 @@ void placido_gadget_server_stop(placido_gadget_server *server);
  * device again, and is not heard until then. */
 void placido_gadget_server_unplug(placido_gadget_server *server, int64_t away_ns);
 
-/* Monotonic time. */
-int64_t placido_gadget_now_ns(void);
-
 #endif

@@ -3,6 +3,7 @@
 #include "acquire/cli/record.h"
 #include "acquire/cli/sim_orders.h"
 #include "acquire/cli/sim_view.h"
+#include "base/clock.h"
 #include "base/memory.h"
 #include "gadget/face.h"
 #include "gadget/server.h"
@@ -200,7 +201,7 @@ static int tell_ready(const struct simulation *simulation, placido_error *err) {
 
 static int serve(struct simulation *simulation, placido_error *err) {
   const double for_s = simulation->settings->for_s;
-  simulation->started_ns = placido_gadget_now_ns();
+  simulation->started_ns = placido_clock_now_ns();
   int status = placido_gadget_server_open(&simulation->server, &simulation->options, err);
   if (status == PLACIDO_OK) {
     status = tell_ready(simulation, err);

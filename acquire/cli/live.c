@@ -5,13 +5,13 @@
 #include "acquire/cli/record.h"
 #include "acquire/cli/subject.h"
 #include "acquire/cli/terminal.h"
+#include "base/clock.h"
 
 #include <placido/device.h>
 
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
-#include <time.h>
 #include <unistd.h>
 
 #define REPLUG_S 10      /* to put a plug that was kicked out back in */
@@ -35,12 +35,6 @@ struct live {
   bool has_bars; /* standard output is a terminal */
   int64_t started_ns, last_ns;
 };
-
-static int64_t clock_ns(void) {
-  struct timespec now = {0};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
-}
 
 static int open_instrument(struct live *live, placido_error *err) {
   const placido_device_info *info = placido_device_info_get(live->device);
@@ -117,7 +111,7 @@ static int take(struct live *live, placido_error *err) {
       break; /* the end comes again next time */
     }
   }
-  const int64_t now_ns = clock_ns();
+  const int64_t now_ns = placido_clock_now_ns();
   if (status == PLACIDO_INPUT) {
     live->moment.damaged++;
     live->last_ns = now_ns;
@@ -152,9 +146,9 @@ static int show_text(struct live *live, placido_error *err) {
 
 static int look(struct live *live, placido_error *err) {
   struct live_moment *moment = &live->moment;
-  const int64_t before_ns = clock_ns();
+  const int64_t before_ns = placido_clock_now_ns();
   int status = placido_guide_look(live->guide, &live->frame, &moment->guidance, err);
-  moment->look_ms = 1e-6 * (double)(clock_ns() - before_ns);
+  moment->look_ms = 1e-6 * (double)(placido_clock_now_ns() - before_ns);
   moment->judged++;
   moment->seq = live->frame.seq;
   moment->t_ns = live->frame.t_ns;
@@ -174,12 +168,12 @@ static bool is_over(struct live *live) {
   const unsigned came = terminal_take(&live->terminal);
   if (came & TERMINAL_PAUSE) {
     terminal_pause(&live->terminal);
-    live->last_ns = clock_ns();
+    live->last_ns = placido_clock_now_ns();
   }
   return came & TERMINAL_END || interrupt_is_asked(live->outcome->interrupt) ||
          (settings->take.frames > 0 && live->moment.judged >= settings->take.frames) ||
          (settings->for_s > 0 &&
-          1e-9 * (double)(clock_ns() - live->started_ns) >= settings->for_s);
+          1e-9 * (double)(placido_clock_now_ns() - live->started_ns) >= settings->for_s);
 }
 
 static int watch(struct live *live, placido_error *err) {
@@ -187,7 +181,7 @@ static int watch(struct live *live, placido_error *err) {
   if (status != PLACIDO_OK) {
     return status;
   }
-  live->started_ns = live->last_ns = clock_ns();
+  live->started_ns = live->last_ns = placido_clock_now_ns();
   while (!is_over(live)) {
     status = take(live, err);
     if (status == PLACIDO_OK) {

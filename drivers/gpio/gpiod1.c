@@ -4,6 +4,7 @@
  * counts as one edge lost. Edges are stamped by CLOCK_MONOTONIC since Linux 5.7. */
 #include "drivers/gpio/lines.h"
 
+#include "base/clock.h"
 #include "base/memory.h"
 
 #include <errno.h>
@@ -144,5 +145,5 @@ const placido_gpio_lines placido_gpio_kernel = {
     .get = get_level,
     .wait = wait_edge,
     .read = read_edges,
-    .clock_ns = placido_gpio_clock_ns,
+    .clock_ns = placido_clock_now_ns,
 };

@@ -4,6 +4,7 @@
  * stamps a change when the line has settled, and we tell when it began. */
 #include "drivers/gpio/lines.h"
 
+#include "base/clock.h"
 #include "base/memory.h"
 
 #include <errno.h>
@@ -204,5 +205,5 @@ const placido_gpio_lines placido_gpio_kernel = {
     .get = get_level,
     .wait = wait_edge,
     .read = read_edges,
-    .clock_ns = placido_gpio_clock_ns,
+    .clock_ns = placido_clock_now_ns,
 };

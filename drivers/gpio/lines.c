@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* More chips than any computer has. */
 #define CHIPS_MAX 512
@@ -70,12 +69,6 @@ int placido_gpio_wait(const int *descriptors, size_t count, int timeout_ms) {
 int placido_gpio_make_nonblocking(int descriptor) {
   const int flags = fcntl(descriptor, F_GETFL);
   return flags < 0 || fcntl(descriptor, F_SETFL, flags | O_NONBLOCK) < 0 ? placido_gpio_errno() : 0;
-}
-
-int64_t placido_gpio_clock_ns(void) {
-  struct timespec now = {0};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
 int placido_gpio_errno(void) {

@@ -79,7 +79,6 @@ extern const placido_gpio_lines placido_gpio_kernel;
 int placido_gpio_list_nodes(int (*each)(void *user, const char *path), void *user);
 int placido_gpio_wait(const int *descriptors, size_t count, int timeout_ms);
 int placido_gpio_make_nonblocking(int descriptor);
-int64_t placido_gpio_clock_ns(void);
 /* The errno of a call that failed; never 0. */
 int placido_gpio_errno(void);
 

@@ -3,7 +3,7 @@
 #ifndef PLACIDO_DRIVERS_HOTPLUG_WATCH_H
 #define PLACIDO_DRIVERS_HOTPLUG_WATCH_H
 
-#include "drivers/clock.h"
+#include "base/clock.h"
 
 #include <placido/hotplug.h>
 #include <placido/status.h>

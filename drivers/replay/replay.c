@@ -5,6 +5,7 @@
  * frames counts as the recording does; the message of PLACIDO_END says how many there were. */
 #include "drivers/replay/replay.h"
 
+#include "base/clock.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "drivers/replay/source.h"
@@ -58,12 +59,6 @@ typedef struct replay {
   int64_t absent_t_ns; /* what was recorded before is lost */
   placido_device_statistics statistics;
 } replay;
-
-static int64_t clock_ns(void) {
-  struct timespec now = {0};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
-}
 
 static void replay_close(void *pointer) {
   replay *state = pointer;
@@ -149,7 +144,7 @@ static int replay_set(void *pointer, size_t control, double value, placido_error
   state->settings[control] = control == LOOP ? round(value) : value;
   state->info.endless = state->settings[LOOP] > 0;
   if (state->any_given) {
-    state->clock_start_ns = clock_ns();
+    state->clock_start_ns = placido_clock_now_ns();
     state->first_t_ns = state->last_t_ns;
   }
   return PLACIDO_OK;
@@ -157,7 +152,7 @@ static int replay_set(void *pointer, size_t control, double value, placido_error
 
 /* An unplugged device that is plugged in again goes on behind what was recorded meanwhile. */
 static int come_back(replay *state, placido_error *err) {
-  const int64_t left_ns = state->back_ns - clock_ns();
+  const int64_t left_ns = state->back_ns - placido_clock_now_ns();
   if (state->back_ns == INT64_MAX) {
     return placido_error_set(err, PLACIDO_GONE, "%s is unplugged for good, as its script says",
                              placido_text_tail(state->info.uri));
@@ -210,7 +205,7 @@ static int fetch(replay *state, int64_t deadline_ns, placido_error *err) {
   int status = take(state, err);
   while (!status && is_lost(state)) {
     state->statistics.dropped++;
-    if (--passed_over < 0 && clock_ns() > deadline_ns) {
+    if (--passed_over < 0 && placido_clock_now_ns() > deadline_ns) {
       return placido_error_set(err, PLACIDO_TIMEOUT, "no frame in time: all were lost");
     }
     status = take(state, err);
@@ -220,7 +215,7 @@ static int fetch(replay *state, int64_t deadline_ns, placido_error *err) {
     return status;
   }
   state->is_waiting = true;
-  state->fetched_ns = clock_ns();
+  state->fetched_ns = placido_clock_now_ns();
   if (!state->any_given) {
     state->clock_start_ns = state->fetched_ns;
     state->first_t_ns = state->source.frame.t_ns;
@@ -243,8 +238,8 @@ static int wait_until_due(const replay *state, int64_t deadline_ns, placido_erro
   const int64_t due = due_ns(state), until = due < deadline_ns ? due : deadline_ns;
   const struct timespec wake = {.tv_sec = until / 1000000000, .tv_nsec = until % 1000000000};
   const int interrupted =
-      until > clock_ns() ? clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, NULL) : 0;
-  if (due > clock_ns() || interrupted) {
+      until > placido_clock_now_ns() ? clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, NULL) : 0;
+  if (due > placido_clock_now_ns() || interrupted) {
     return placido_error_set(err, PLACIDO_TIMEOUT, "no frame in time");
   }
   return PLACIDO_OK;
@@ -255,7 +250,7 @@ static int unplug(replay *state, placido_error *err) {
   const double speed = state->settings[SPEED] > 0 ? state->settings[SPEED] : 1;
   const bool for_good = absence_ns == INT64_MAX;
   state->is_gone = true;
-  state->back_ns = for_good ? INT64_MAX : clock_ns() + absence_ns;
+  state->back_ns = for_good ? INT64_MAX : placido_clock_now_ns() + absence_ns;
   state->absent_t_ns =
       for_good ? INT64_MAX : state->source.frame.t_ns + llround((double)absence_ns * speed);
   state->statistics.dropped++;
@@ -315,7 +310,7 @@ static int replay_next(void *pointer, placido_frame *frame, int timeout_ms, plac
     return placido_error_set(err, PLACIDO_GONE, "%s is unplugged, as its script says",
                              placido_text_tail(state->info.uri));
   }
-  const int64_t deadline_ns = clock_ns() + (int64_t)timeout_ms * 1000000;
+  const int64_t deadline_ns = placido_clock_now_ns() + (int64_t)timeout_ms * 1000000;
   int status = state->is_waiting ? PLACIDO_OK : fetch(state, deadline_ns, err);
   if (!status) {
     status = wait_until_due(state, deadline_ns, err);

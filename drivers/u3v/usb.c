@@ -2,10 +2,10 @@
  * there are no threads here. */
 #include "drivers/u3v/usb.h"
 
+#include "base/clock.h"
 #include "base/memory.h"
 
 #include <string.h>
-#include <time.h>
 
 #define RESET_TIMEOUT_MS 1000
 
@@ -55,16 +55,12 @@ static enum placido_u3v_end end_of_transfer(enum libusb_transfer_status status) 
 
 static int64_t usb_clock_ns(void *context) {
   (void)context;
-  struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+  return placido_clock_now_ns();
 }
 
 static void usb_sleep_ms(void *context, int duration_ms) {
   (void)context;
-  const struct timespec duration = {.tv_sec = duration_ms / 1000,
-                                    .tv_nsec = duration_ms % 1000 * 1000000L};
-  nanosleep(&duration, NULL); /* a signal may cut it short: whoever waits looks again */
+  placido_clock_monotonic.sleep_ms(duration_ms);
 }
 
 static void usb_close(void *pointer) {

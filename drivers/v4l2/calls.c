@@ -1,6 +1,8 @@
 /* The kernel's own system calls. */
 #include "drivers/v4l2/calls.h"
 
+#include "base/clock.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <sys/ioctl.h>
@@ -19,19 +21,11 @@ static int control_device(int fd, unsigned long request, void *argument) {
   return ioctl(fd, request, argument);
 }
 
-static int64_t clock_of(clockid_t clock) {
-  struct timespec now = {0};
-  clock_gettime(clock, &now);
-  return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
-}
-
-static int64_t monotonic_ns(void) {
-  return clock_of(CLOCK_MONOTONIC);
-}
-
 /* CLOCK_BOOTTIME goes on during a suspension, CLOCK_MONOTONIC stands still. */
 static int64_t asleep_ns(void) {
-  return clock_of(CLOCK_BOOTTIME) - clock_of(CLOCK_MONOTONIC);
+  struct timespec since_boot = {0};
+  clock_gettime(CLOCK_BOOTTIME, &since_boot);
+  return (int64_t)since_boot.tv_sec * 1000000000 + since_boot.tv_nsec - placido_clock_now_ns();
 }
 
 const placido_v4l2_calls placido_v4l2_kernel = {
@@ -42,7 +36,7 @@ const placido_v4l2_calls placido_v4l2_kernel = {
     .munmap = munmap,
     .poll = poll,
     .read = read,
-    .clock_ns = monotonic_ns,
+    .clock_ns = placido_clock_now_ns,
     .asleep_ns = asleep_ns,
     .root = "",
 };

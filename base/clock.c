@@ -1,9 +1,9 @@
 /* The monotonic clock, as the kernel stamps frames. */
-#include "drivers/clock.h"
+#include "base/clock.h"
 
 #include <time.h>
 
-static int64_t now_ns(void) {
+int64_t placido_clock_now_ns(void) {
   struct timespec now = {0};
   clock_gettime(CLOCK_MONOTONIC, &now); /* cannot fail: the clock is there since Linux 2.6 */
   return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
@@ -16,4 +16,4 @@ static void sleep_ms(int duration_ms) {
   nanosleep(&duration, NULL);
 }
 
-const placido_clock placido_clock_monotonic = {.now_ns = now_ns, .sleep_ms = sleep_ms};
+const placido_clock placido_clock_monotonic = {.now_ns = placido_clock_now_ns, .sleep_ms = sleep_ms};
