@@ -12,7 +12,7 @@ static const struct {
   const char *name, *caption;
 } error_bars[] = {
     {"sigma_z", "Standard deviation of elevation (µm): what edge noise, smoothing and the "
-                "cornea's distance leave open."},
+                "cornea's distance leave open, and the instrument's geometry where its file tells."},
     {"sigma_axial", "Standard deviation of axial curvature (D)."},
 };
 #define ERROR_BARS (sizeof error_bars / sizeof error_bars[0])
