@@ -1,7 +1,8 @@
 /* A tear film that breaks up: patches are laid at random until they cover the wanted share. */
 #include "phantom/film.h"
 
-#include "phantom/random.h"
+#include "base/random.h"
+#include "phantom/streams.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -13,7 +14,7 @@ static const double turn = 6.283185307179586;
 static const double ripple_mm = 2.5e-4;
 
 static double draw(uint64_t seed, int patch, int which, double low, double high) {
-  return placido_phantom_uniform(seed, PLACIDO_PHANTOM_FILM, (uint64_t)(patch * 16 + which), low,
+  return placido_random_uniform(seed, PLACIDO_PHANTOM_FILM, (uint64_t)(patch * 16 + which), low,
                                  high);
 }
 

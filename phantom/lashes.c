@@ -1,6 +1,7 @@
 /* Eyelashes: dark curved strokes that taper, hanging from the upper border into the picture. */
-#include "phantom/random.h"
+#include "base/random.h"
 #include "phantom/scene.h"
+#include "phantom/streams.h"
 
 #include <math.h>
 
@@ -17,7 +18,7 @@ static lash make_lash(const placido_image *picture, int number, uint64_t seed) {
   double width = picture->width_px, height = picture->height_px, draw[6];
   for (int i = 0; i < 6; i++) {
     draw[i] =
-        placido_phantom_uniform(seed, PLACIDO_PHANTOM_LASHES, (uint64_t)(number * 8 + i), 0, 1);
+        placido_random_uniform(seed, PLACIDO_PHANTOM_LASHES, (uint64_t)(number * 8 + i), 0, 1);
   }
   double root = width * (0.18 + 0.64 * draw[0]);
   double length = height * (0.17 + 0.09 * draw[1]);

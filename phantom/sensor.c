@@ -2,8 +2,9 @@
 #include "phantom/sensor.h"
 
 #include "base/memory.h"
+#include "base/random.h"
 #include "phantom/light.h"
-#include "phantom/random.h"
+#include "phantom/streams.h"
 
 #include <math.h>
 
@@ -116,7 +117,7 @@ int placido_phantom_sensor_expose(placido_frame *frame, const placido_image *pic
       size_t pixel = (size_t)y * (size_t)width + (size_t)x;
       double grey = (double)picture->data[pixel];
       if (noise > 0) {
-        grey += noise * placido_phantom_normal(seed, stream, pixel);
+        grey += noise * placido_random_normal(seed, stream, pixel);
       }
       double count = floor(grey / 255 * full + 0.5);
       count = count < 0 ? 0 : count > full ? full : count;

@@ -1,8 +1,9 @@
 /* A whole examination of an eye that is never quite still: it drifts and trembles, comes in and out
  * of focus, jerks once and blinks once, so that choosing the best frame matters. */
 #include "base/file.h"
-#include "phantom/random.h"
+#include "base/random.h"
 #include "phantom/shot.h"
+#include "phantom/streams.h"
 
 #include <math.h>
 #include <placido/session.h>
@@ -32,7 +33,7 @@ typedef struct take {
 } take;
 
 static double draw(const take *t, int frame, int which, double low, double high) {
-  return placido_phantom_uniform(t->still.seed, PLACIDO_PHANTOM_MOVEMENT,
+  return placido_random_uniform(t->still.seed, PLACIDO_PHANTOM_MOVEMENT,
                                  (uint64_t)frame * 16 + (uint64_t)which, low, high);
 }
 

@@ -71,4 +71,20 @@ typedef struct placido_sigma {
 void placido_fit_budget(const placido_fit *fit, double zone_mm,
                         placido_sigma budget[PLACIDO_SIGMA_SOURCES]);
 
+/* What the measurement leaves open, as other corneas. Each variant is the fitted surface moved by
+ * an independent step: the squares of what these steps change in any quantity add up to its
+ * variance. A source's share is the sum over its own variants. The distance and every mode of the
+ * geometry are one variant each (to first order exact); the noise of the edge points stands as
+ * PLACIDO_NOISE_VARIANTS draws from its covariance, which gives its share of a sigma to one part in
+ * sqrt(2 PLACIDO_NOISE_VARIANTS): one eighth. The draws are the same for every run and machine. */
+#define PLACIDO_NOISE_VARIANTS 32
+
+int placido_fit_variant_count(const placido_fit *fit);
+enum placido_sigma_source placido_fit_variant_source(const placido_fit *fit, int variant);
+
+/* Variant number `variant` (0 .. count - 1) as a surface, its height on the axis that of the fit but
+ * for the distance's. Free with placido_surface_free. Returns PLACIDO_OK or PLACIDO_MEMORY. */
+int placido_fit_variant(placido_surface **surface, const placido_fit *fit, int variant,
+                        placido_error *err);
+
 #endif

@@ -327,6 +327,11 @@ static int find_errors(placido_fit *fit, progress *p, placido_error *err) {
     status = placido_noise_scale(&fit->variance_scale, r, p->mires, fit->geometry ? &moves : NULL,
                                  err);
   }
+  if (!status) {
+    fit->modes = moves.coefficients;
+    fit->mode_count = modes;
+    moves.coefficients = NULL;
+  }
   placido_moves_free(&moves);
   fit->axis_z_sigma_mm = o ? o->axis_z_sigma_mm : 0;
   fit->normal = p->refinement.normal;

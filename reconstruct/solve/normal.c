@@ -203,8 +203,9 @@ static void scale_diagonal(placido_normal *n, double factor) {
   }
 }
 
-int placido_normal_solve_more(placido_normal *normal, const double *right, int count, double *x,
-                              placido_error *err) {
+/* One of CHOLMOD's solutions with the last factor, for `count` columns. */
+static int solve_columns(placido_normal *normal, int system, const double *right, int count,
+                         double *x, placido_error *err) {
   size_t numbers = (size_t)normal->count * (size_t)count;
   cholmod_dense b = {.nrow = (size_t)normal->count,
                      .ncol = (size_t)count,
@@ -213,7 +214,7 @@ int placido_normal_solve_more(placido_normal *normal, const double *right, int c
                      .x = (void *)right,
                      .xtype = CHOLMOD_REAL,
                      .dtype = CHOLMOD_DOUBLE};
-  cholmod_dense *solution = cholmod_solve(CHOLMOD_A, normal->factor, &b, &normal->common);
+  cholmod_dense *solution = cholmod_solve(system, normal->factor, &b, &normal->common);
   if (!solution) {
     return placido_error_set(err, PLACIDO_MEMORY, "out of memory for the normal equations");
   }
@@ -222,6 +223,17 @@ int placido_normal_solve_more(placido_normal *normal, const double *right, int c
   }
   cholmod_free_dense(&solution, &normal->common);
   return PLACIDO_OK;
+}
+
+int placido_normal_solve_more(placido_normal *normal, const double *right, int count, double *x,
+                              placido_error *err) {
+  return solve_columns(normal, CHOLMOD_A, right, count, x, err);
+}
+
+int placido_normal_draw(placido_normal *normal, const double *z, int count, double *x,
+                        placido_error *err) {
+  int status = solve_columns(normal, CHOLMOD_Lt, z, count, x, err);
+  return status ? status : solve_columns(normal, CHOLMOD_Pt, x, count, x, err);
 }
 
 int placido_normal_solve(placido_normal *normal, double damping, double *step,

@@ -39,6 +39,11 @@ int placido_normal_solve(placido_normal *normal, double damping, double *step,
 int placido_normal_solve_more(placido_normal *normal, const double *right, int count, double *x,
                               placido_error *err);
 
+/* `count` vectors of coefficients, one after the other in `x`, whose outer products have the inverse
+ * of the last factor's matrix for their mean, from as many of standard normal numbers: Lᵀ x = z. */
+int placido_normal_draw(placido_normal *normal, const double *z, int count, double *x,
+                        placido_error *err);
+
 /* CHOLMOD's estimate of the reciprocal condition number of the last factor. */
 double placido_normal_rcond(placido_normal *normal);
 

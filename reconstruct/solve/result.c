@@ -28,6 +28,9 @@ int placido_fit_covariance(placido_fit *fit, placido_error *err) {
   if (!status) {
     status = placido_normal_inverse(fit->normal, &fit->inverse, err);
   }
+  if (!status) {
+    status = placido_fit_variants_draw(fit, err);
+  }
   placido_memory_free(right);
   return status;
 }
@@ -41,6 +44,8 @@ void placido_fit_free(placido_fit *fit) {
   placido_memory_free(fit->inverse);
   placido_memory_free(fit->by_distance);
   placido_memory_free(fit->geometry);
+  placido_memory_free(fit->modes);
+  placido_memory_free(fit->draws);
   placido_memory_free(fit);
 }
 

@@ -22,4 +22,9 @@ struct placido_surface {
   unsigned char *mask; /* of the coverage */
 };
 
+/* A copy whose last B-spline has its coefficients moved by change_mm, of sag, as many as it has.
+ * Free with placido_surface_free. PLACIDO_INPUT where there is no B-spline. */
+int placido_surface_bend(placido_surface **bent, const placido_surface *surface,
+                         const double *change_mm, placido_error *err);
+
 #endif
