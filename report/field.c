@@ -84,9 +84,9 @@ static void fill_row(float *out, int size, int margin, const place *columns, con
   }
 }
 
-int placido_field_new(placido_field *field, const placido_maps *maps, const double *values,
+int placido_map_field_new(placido_map_field *field, const placido_maps *maps, const double *values,
                       int size, placido_error *err) {
-  *field = (placido_field){0};
+  *field = (placido_map_field){0};
   float *out = placido_memory_new((size_t)size * (size_t)size, sizeof *out, err);
   double *row = placido_memory_new((size_t)maps->size + 3, sizeof *row, err);
   place *places = placido_memory_new((size_t)size, sizeof *places, err);
@@ -107,14 +107,14 @@ int placido_field_new(placido_field *field, const placido_maps *maps, const doub
   }
   placido_memory_free(row);
   placido_memory_free(places);
-  *field = (placido_field){size, out};
+  *field = (placido_map_field){size, out};
   return PLACIDO_OK;
 }
 
-void placido_field_free(placido_field *field) {
+void placido_map_field_free(placido_map_field *field) {
   if (field == NULL) {
     return;
   }
   placido_memory_free(field->values);
-  *field = (placido_field){0};
+  *field = (placido_map_field){0};
 }

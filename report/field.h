@@ -6,16 +6,16 @@
 
 /* A square of size * size samples over the grid's whole square, rows from the top (largest y)
  * down; NaN where data do not support a value and outside the circle within the square. */
-typedef struct placido_field {
+typedef struct placido_map_field {
   int size;
   float *values;
-} placido_field;
+} placido_map_field;
 
 /* Interpolates `values`, one of the arrays of `maps`: bicubically (Catmull and Rom 1974) inside,
- * from the supported corners alone at the rim. Free with placido_field_free. PLACIDO_OK,
+ * from the supported corners alone at the rim. Free with placido_map_field_free. PLACIDO_OK,
  * PLACIDO_MEMORY. */
-int placido_field_new(placido_field *field, const placido_maps *maps, const double *values,
+int placido_map_field_new(placido_map_field *field, const placido_maps *maps, const double *values,
                       int size, placido_error *err);
-void placido_field_free(placido_field *field);
+void placido_map_field_free(placido_map_field *field);
 
 #endif

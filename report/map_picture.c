@@ -17,12 +17,14 @@ enum { UNSUPPORTED = INT_MIN };
 static const double pi = 3.14159265358979323846;
 static const double rim_room = 1.16; /* the box's side over the map's: room for the angles */
 static const double text_px = 19, small_px = 16;
+static const float significant = 2; /* error bars */
 
 /* A map on its way to paper. */
 typedef struct sheet {
   const placido_map_picture *picture;
   placido_canvas canvas;
-  placido_field field;
+  placido_map_field field;
+  placido_map_field doubt; /* |value| / sigma; without values where that does not matter */
   int disc_px;   /* side of the field on the canvas */
   double x0, y0; /* the map's centre on the canvas */
   double px_per_mm, radius_mm, rim_mm;
@@ -78,8 +80,28 @@ static inks mix_inks(const placido_scale *scale) {
   return made;
 }
 
+/* Whether a sample's value is less than twice its error bar. */
+static bool is_doubtful(const placido_map_field *doubt, int i, int j) {
+  return doubt->values[(size_t)j * (size_t)doubt->size + (size_t)i] < significant;
+}
+
+/* Hatches what is doubtful, and draws the line around it. */
+static placido_rgb mark_doubt(placido_rgb colour, const placido_map_field *doubt, int i, int j) {
+  bool here = is_doubtful(doubt, i, j);
+  bool border = i > 0 && j > 0 &&
+                (here != is_doubtful(doubt, i - 1, j) || here != is_doubtful(doubt, i, j - 1));
+  if (border) {
+    return (placido_rgb){0.1, 0.1, 0.1};
+  }
+  if (!here || (i + j) % (9 * FINE) >= FINE) {
+    return colour;
+  }
+  return (placido_rgb){0.45 * colour.r, 0.45 * colour.g, 0.45 * colour.b};
+}
+
 /* The premultiplied ARGB of one pixel: the mean of its FINE × FINE samples. */
-static uint32_t mix_pixel(const inks *colours, const int *steps, int size, int x, int y) {
+static uint32_t mix_pixel(const inks *colours, const int *steps, const placido_map_field *doubt,
+                          int size, int x, int y) {
   double r = 0, g = 0, b = 0, a = 0;
   for (int k = 0; k < FINE * FINE; k++) {
     int i = x * FINE + k % FINE, j = y * FINE + k / FINE;
@@ -90,6 +112,9 @@ static uint32_t mix_pixel(const inks *colours, const int *steps, int size, int x
     int class_index = step < 0 ? 0 : step < colours->classes ? step : colours->classes - 1;
     placido_rgb colour =
         on_contour(steps, size, i, j) ? colours->contour[class_index] : colours->plain[class_index];
+    if (doubt->values) {
+      colour = mark_doubt(colour, doubt, i, j);
+    }
     r += colour.r;
     g += colour.g;
     b += colour.b;
@@ -107,7 +132,7 @@ static void fill_pixels(cairo_surface_t *pixels, const sheet *s, const int *step
   for (int y = 0; y < s->disc_px; y++) {
     uint32_t *row = (uint32_t *)(void *)(data + (size_t)y * (size_t)stride);
     for (int x = 0; x < s->disc_px; x++) {
-      row[x] = mix_pixel(&colours, steps, s->field.size, x, y);
+      row[x] = mix_pixel(&colours, steps, &s->doubt, s->field.size, x, y);
     }
   }
   cairo_surface_mark_dirty(pixels);
@@ -200,6 +225,19 @@ static void label_meridian(const sheet *s, double meridian_deg) {
   }
 }
 
+/* Where the map is not defined, it has no colour. */
+static void draw_hole(const sheet *s) {
+  cairo_t *cr = s->canvas.cr;
+  if (s->picture->hole_mm > 0) {
+    cairo_arc(cr, s->x0, s->y0, s->picture->hole_mm * s->px_per_mm, 0, 2 * pi);
+    cairo_set_source_rgb(cr, 0.82, 0.82, 0.82);
+    cairo_fill_preserve(cr);
+    cairo_set_source_rgb(cr, 0.3, 0.3, 0.3);
+    cairo_set_line_width(cr, 1);
+    cairo_stroke(cr);
+  }
+}
+
 static void draw_circles(const sheet *s) {
   cairo_t *cr = s->canvas.cr;
   const double dashes[] = {5, 4};
@@ -213,7 +251,10 @@ static void draw_circles(const sheet *s) {
     cairo_stroke(cr);
     char text[32];
     snprintf(text, sizeof text, "%d mm", diameter);
-    placido_canvas_text(&s->canvas, s->x0, s->y0 + r, small_px, PLACIDO_CENTRE, true, text);
+    /* where no contour has its label */
+    double angle = 255 * pi / 180;
+    placido_canvas_text(&s->canvas, s->x0 + r * cos(angle), s->y0 - r * sin(angle), small_px,
+                        PLACIDO_CENTRE, true, text);
   }
   cairo_set_dash(cr, NULL, 0, 0);
   cairo_set_source_rgb(cr, 0, 0, 0);
@@ -264,6 +305,50 @@ static void draw_box(const sheet *s) {
   placido_canvas_scale_bar(&s->canvas, LEFT + 14, TOP + BOX - 16, s->px_per_mm, small_px, "1 mm");
 }
 
+/* Hatched as what is doubtful is. */
+static void hatch_doubt(const placido_canvas *canvas, double x, double y, double width,
+                        double height) {
+  cairo_t *cr = canvas->cr;
+  cairo_save(cr);
+  cairo_rectangle(cr, x, y, width, height);
+  cairo_set_source_rgb(cr, 0.1, 0.1, 0.1);
+  cairo_set_line_width(cr, 1);
+  cairo_stroke_preserve(cr);
+  cairo_clip(cr);
+  cairo_set_source_rgb(cr, 0.45, 0.45, 0.45);
+  for (double from = x; from < x + width + height; from += 9) {
+    cairo_move_to(cr, from, y);
+    cairo_line_to(cr, from - height, y + height);
+  }
+  cairo_stroke(cr);
+  cairo_restore(cr);
+}
+
+/* What is no class: no data, less than two error bars, not defined. */
+static void draw_marks(const sheet *s, double top) {
+  const double width_px = 46, height_px = 25, gap_px = 9;
+  const char *texts[3] = {"no data", "under 2 σ", "undefined"};
+  const bool wanted[3] = {true, s->picture->sigmas != NULL, s->picture->hole_mm > 0};
+  for (int k = 0; k < 3; k++) {
+    if (!wanted[k]) {
+      continue;
+    }
+    if (k == 0) {
+      hatch(&s->canvas, LEGEND_LEFT, top, LEGEND_LEFT + width_px, top + height_px);
+    } else if (k == 1) {
+      hatch_doubt(&s->canvas, LEGEND_LEFT, top, width_px, height_px);
+    } else {
+      cairo_rectangle(s->canvas.cr, LEGEND_LEFT, top, width_px, height_px);
+      cairo_set_source_rgb(s->canvas.cr, 0.82, 0.82, 0.82);
+      cairo_fill(s->canvas.cr);
+    }
+    cairo_set_source_rgb(s->canvas.cr, 0, 0, 0);
+    placido_canvas_text(&s->canvas, LEGEND_LEFT + width_px + 10, top + height_px / 2, small_px,
+                        PLACIDO_LEFT, false, texts[k]);
+    top += height_px + gap_px;
+  }
+}
+
 /* One swatch a class with the bounds between, the highest on top. */
 static void draw_legend(const sheet *s) {
   const placido_scale *scale = &s->picture->scale;
@@ -287,12 +372,7 @@ static void draw_legend(const sheet *s) {
   }
   placido_canvas_text(&s->canvas, LEGEND_LEFT, bottom - scale->classes * swatch_px - 18, text_px,
                       PLACIDO_LEFT, false, s->picture->unit);
-  hatch(&s->canvas, LEGEND_LEFT, bottom + 20, LEGEND_LEFT + width_px, bottom + 20 + swatch_px);
-  cairo_set_source_rgb(cr, 0, 0, 0);
-  placido_canvas_text(&s->canvas, LEGEND_LEFT + width_px + 10, bottom + 26, small_px, PLACIDO_LEFT,
-                      false, "no data");
-  placido_canvas_text(&s->canvas, LEGEND_LEFT + width_px + 10, bottom + 44, small_px, PLACIDO_LEFT,
-                      false, "support");
+  draw_marks(s, bottom + 20);
 }
 
 static int draw(sheet *s, placido_error *err) {
@@ -301,6 +381,7 @@ static int draw(sheet *s, placido_error *err) {
   if (status != PLACIDO_OK) {
     return status;
   }
+  draw_hole(s);
   draw_circles(s);
   for (int k = 0; k < 4; k++) {
     label_meridian(s, 15 + 90 * k);
@@ -309,9 +390,36 @@ static int draw(sheet *s, placido_error *err) {
   draw_box(s);
   draw_legend(s);
   placido_canvas_text(&s->canvas, LEFT, 26, 26, PLACIDO_LEFT, false, s->picture->title);
-  placido_canvas_text(&s->canvas, LEFT, HEIGHT - 20, small_px, PLACIDO_LEFT, false,
+  bool two = s->picture->second_note != NULL;
+  placido_canvas_text(&s->canvas, LEFT, HEIGHT - (two ? 33 : 20), small_px, PLACIDO_LEFT, false,
                       s->picture->note);
+  if (two) {
+    placido_canvas_text(&s->canvas, LEFT, HEIGHT - 12, small_px, PLACIDO_LEFT, false,
+                        s->picture->second_note);
+  }
   return PLACIDO_OK;
+}
+
+/* Values and, where they are asked for, what they are worth. */
+static int find_fields(sheet *s, placido_error *err) {
+  const placido_map_picture *picture = s->picture;
+  const placido_maps *maps = picture->maps;
+  int size = FINE * s->disc_px, status;
+  status = placido_map_field_new(&s->field, maps, picture->values, size, err);
+  if (status != PLACIDO_OK || picture->sigmas == NULL) {
+    return status;
+  }
+  size_t count = (size_t)maps->size * (size_t)maps->size;
+  double *ratios = placido_memory_new(count, sizeof *ratios, err);
+  if (ratios == NULL) {
+    return PLACIDO_MEMORY;
+  }
+  for (size_t k = 0; k < count; k++) {
+    ratios[k] = fabs(picture->values[k]) / picture->sigmas[k];
+  }
+  status = placido_map_field_new(&s->doubt, maps, ratios, size, err);
+  placido_memory_free(ratios);
+  return status;
 }
 
 int placido_map_picture_write(const placido_map_picture *picture, const char *path,
@@ -327,14 +435,15 @@ int placido_map_picture_write(const placido_map_picture *picture, const char *pa
   if (status != PLACIDO_OK) {
     return status;
   }
-  status = placido_field_new(&s.field, maps, picture->values, FINE * s.disc_px, err);
+  status = find_fields(&s, err);
   if (status == PLACIDO_OK) {
     status = draw(&s, err);
   }
   if (status == PLACIDO_OK) {
     status = placido_canvas_save(&s.canvas, path, err);
   }
-  placido_field_free(&s.field);
+  placido_map_field_free(&s.field);
+  placido_map_field_free(&s.doubt);
   placido_canvas_free(&s.canvas);
   return status;
 }

@@ -10,7 +10,9 @@ typedef struct placido_map_picture {
   const double *values; /* one of the arrays of `maps` */
   const char *title, *unit, *note;
   placido_scale scale;
-  bool from_sphere; /* measured from maps->sphere: elevation */
+  const char *second_note; /* NULL: none */
+  double hole_mm;          /* radius about the axis where the map is not defined; 0: none */
+  const double *sigmas;    /* hatched where the value is less than twice its sigma; NULL: nowhere */
 } placido_map_picture;
 
 /* Draws the map, its frame, legend and title, and writes the PNG of 900 × 760 px. */

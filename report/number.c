@@ -49,6 +49,7 @@ const char *placido_unit_text(const char *unit) {
       {"um", "µm"},
       {"mm^-2", "mm⁻²"},
       {"deg", "°"},
+      {"percent", "%"},
   };
   for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
     if (strcmp(unit, units[i].plain) == 0) {

@@ -47,17 +47,28 @@ static void write_banner(FILE *stream, const placido_report *report) {
       stream);
 }
 
-void placido_page_head(FILE *stream, const placido_report *report) {
+void placido_page_begin(FILE *stream, const char *title, const char *name) {
   fputs("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n", stream);
   fputs(policy, stream);
   fputs("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>",
         stream);
-  placido_html_print(stream, "Corneal topography: %s",
-                     report->input != NULL ? report->input : "report");
+  placido_html_print(stream, "%s: %s", title, name != NULL ? name : "report");
   fputs("</title>\n<style>\n", stream);
   fputs(placido_page_style, stream);
-  fputs("</style>\n</head>\n<body>\n<header>\n<h1>Corneal topography</h1>\n<table>\n<tbody>\n",
-        stream);
+  fputs("</style>\n</head>\n<body>\n<header>\n<h1>", stream);
+  placido_html_text(stream, title);
+  fputs("</h1>\n<table>\n<tbody>\n", stream);
+}
+
+void placido_page_end(FILE *stream) {
+  fputs(
+      "</main>\n<footer>\n<p><strong>Not a medical device.</strong> For research and teaching: "
+      "nothing on this page may be used to diagnose or treat.</p>\n</footer>\n</body>\n</html>\n",
+      stream);
+}
+
+void placido_page_head(FILE *stream, const placido_report *report) {
+  placido_page_begin(stream, "Corneal topography", report->input);
   placido_html_row(stream, "Input", report->input);
   placido_html_row(stream, "Eye", report->eye);
   placido_html_row(stream, "Date", report->created);
@@ -107,18 +118,19 @@ static int write_sections(FILE *stream, const placido_report *report, placido_er
   placido_page_head(stream, report);
   placido_page_warnings(stream, report);
   placido_page_indices(stream, report);
-  int status = placido_page_capture(stream, report, err);
+  placido_page_budget(stream, report);
+  int status = placido_page_maps(stream, report, err);
   if (status == PLACIDO_OK) {
-    status = placido_page_maps(stream, report, err);
+    status = placido_page_wavefront(stream, report, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = placido_page_capture(stream, report, err);
   }
   if (status == PLACIDO_OK) {
     status = placido_page_pupils(stream, report, err);
   }
   placido_page_stages(stream, report);
-  fputs(
-      "</main>\n<footer>\n<p><strong>Not a medical device.</strong> For research and teaching: "
-      "nothing on this page may be used to diagnose or treat.</p>\n</footer>\n</body>\n</html>\n",
-      stream);
+  placido_page_end(stream);
   return status;
 }
 

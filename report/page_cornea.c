@@ -1,60 +1,10 @@
-/* The sections of report.html about the cornea: indices, capture and maps. */
+/* The sections of report.html about the cornea: capture and maps. */
 #include "report/page.h"
 
 #include "report/html.h"
 #include "report/number.h"
 
-#include <ctype.h>
-#include <string.h>
-
-/* A name of indices.json as words: "simk_flat_D" in D becomes "SimK flat", as the field
- * spells it. */
-static void write_index_name(FILE *stream, const placido_index_value *index) {
-  char words[128], *last;
-  snprintf(words, sizeof words, "%s", index->name);
-  last = strrchr(words, '_');
-  if (last != NULL && index->unit != NULL &&
-      strcmp(placido_unit_text(last + 1), placido_unit_text(index->unit)) == 0) {
-    *last = '\0';
-  }
-  for (char *at = words; *at != '\0'; at++) {
-    *at = *at == '_' ? ' ' : *at;
-  }
-  words[0] = (char)toupper((unsigned char)words[0]);
-  if (strncmp(words, "Simk", 4) == 0) {
-    words[3] = 'K';
-  }
-  placido_html_text(stream, words);
-}
-
-static void write_index(FILE *stream, const placido_index_value *index) {
-  char value[2 * PLACIDO_NUMBER_SIZE + 8];
-  placido_number_measure(value, sizeof value, index->value, index->sigma);
-  fputs("<tr><th scope=\"row\">", stream);
-  write_index_name(stream, index);
-  fputs("</th><td class=\"number\">", stream);
-  placido_html_text(stream, value);
-  fputs("</td><td class=\"unit\">", stream);
-  placido_html_text(stream, index->unit != NULL ? placido_unit_text(index->unit) : NULL);
-  fputs("</td><td class=\"small\">", stream);
-  placido_html_text(stream, index->help);
-  fputs("</td></tr>\n", stream);
-}
-
-void placido_page_indices(FILE *stream, const placido_report *report) {
-  if (report->index_count == 0) {
-    return;
-  }
-  fputs(
-      "<section>\n<h2>Key figures</h2>\n<table>\n<thead><tr><th scope=\"col\">Index</th>"
-      "<th scope=\"col\" class=\"number\">Value ± 1 σ</th><th scope=\"col\">Unit</th>"
-      "<th scope=\"col\">What it tells</th></tr></thead>\n<tbody>\n",
-      stream);
-  for (size_t k = 0; k < report->index_count; k++) {
-    write_index(stream, &report->indices[k]);
-  }
-  fputs("</tbody>\n</table>\n</section>\n", stream);
-}
+#include <stdio.h>
 
 static void write_detection(FILE *stream, const placido_mires *mires) {
   char text[128];
@@ -132,17 +82,38 @@ int placido_page_capture(FILE *stream, const placido_report *report, placido_err
   return status;
 }
 
-int placido_page_maps(FILE *stream, const placido_report *report, placido_error *err) {
-  if (report->map_pictures == NULL || report->map_pictures[0] == NULL) {
-    return PLACIDO_OK;
-  }
+static int write_place(FILE *stream, const placido_report *report,
+                       enum placido_report_place place, placido_error *err) {
+  static const struct {
+    const char *heading, *columns;
+  } places[PLACIDO_PLACES] = {
+      [PLACIDO_PLACE_MAIN] = {"Maps", "pair"},
+      [PLACIDO_PLACE_FURTHER] = {"Further maps", "triple"},
+      [PLACIDO_PLACE_UNCERTAINTY] = {"Uncertainty (1 σ)", "triple"},
+  };
   int status = PLACIDO_OK;
-  fputs("<section>\n<h2>Maps</h2>\n<div class=\"pair maps\">\n", stream);
-  for (size_t k = 0; status == PLACIDO_OK && report->map_pictures[k] != NULL; k++) {
-    const char *caption = report->map_captions != NULL ? report->map_captions[k] : NULL;
-    const char *alternative = caption != NULL ? caption : report->map_pictures[k];
-    status = write_figure(stream, report, report->map_pictures[k], alternative, caption, err);
+  bool begun = false;
+  for (size_t k = 0; status == PLACIDO_OK && k < report->map_count; k++) {
+    const placido_report_map *map = &report->maps[k];
+    if (map->place != place) {
+      continue;
+    }
+    if (!begun) {
+      fprintf(stream, "<section>\n<h2>%s</h2>\n<div class=\"%s maps\">\n",
+              places[place].heading, places[place].columns);
+      begun = true;
+    }
+    const char *alternative = map->caption != NULL ? map->caption : map->picture;
+    status = write_figure(stream, report, map->picture, alternative, map->caption, err);
   }
-  fputs("</div>\n</section>\n", stream);
+  fputs(begun ? "</div>\n</section>\n" : "", stream);
+  return status;
+}
+
+int placido_page_maps(FILE *stream, const placido_report *report, placido_error *err) {
+  int status = PLACIDO_OK;
+  for (int place = 0; place < PLACIDO_PLACES && status == PLACIDO_OK; place++) {
+    status = write_place(stream, report, (enum placido_report_place)place, err);
+  }
   return status;
 }

@@ -2,16 +2,36 @@
 #ifndef PLACIDO_REPORT_H
 #define PLACIDO_REPORT_H
 
+#include <placido/index.h>
+#include <placido/difference.h>
 #include <placido/map.h>
 #include <placido/mires.h>
 #include <placido/simulate.h>
+#include <placido/wavefront.h>
 
 /* A map with ISO-style colour steps, legend with unit, scale bar, axes with degrees, and what is
  * hatched out as not supported by data. `kind` indexes placido_map_kinds. PNG by way of a
  * temporary name, as everywhere here. */
 int placido_figure_map(const placido_maps *maps, int kind, const char *path, placido_error *err);
 
-/* The map of one of the error bars: "sigma_z" or "sigma_axial". */
+/* How values get their colours. */
+enum placido_scale_mode {
+  PLACIDO_SCALE_FIXED,    /* ISO 19980's steps about a fixed value, the smallest that holds the map */
+  PLACIDO_SCALE_ABSOLUTE, /* one and the same scale for every eye */
+  PLACIDO_SCALE_ADAPTIVE  /* ISO 19980's steps about the map's own middle */
+};
+
+/* The same with a scale of one's choice. */
+int placido_figure_map_scaled(const placido_maps *maps, int kind, enum placido_scale_mode mode,
+                              const char *path, placido_error *err);
+
+/* A difference map with its unit about 0; hatched where it is less than twice its error bar. `names`:
+ * how the legend calls the two, the second less the first. */
+int placido_figure_difference(const placido_difference *difference,
+                              enum placido_difference_kind kind, const char *const names[2],
+                              const char *path, placido_error *err);
+
+/* The map of one of the error bars: "sigma_z", or "sigma_NAME" with a kind's name. */
 int placido_figure_sigma(const placido_maps *maps, const char *which, const char *path,
                          placido_error *err);
 
@@ -26,6 +46,11 @@ int placido_figure_frame(const placido_frame *frame, int width_px, const char *p
 
 /* The PSF as a height field in perspective with axes in minutes of arc, and as a plan beside it. */
 int placido_figure_psf(const placido_psf *psf, const char *path, placido_error *err);
+
+/* The wavefront as maps over the pupil, whole and from order 3 on, and its terms as bars with one
+ * standard deviation each (`sigma_um` by OSA index; NULL or NaN: not known). */
+int placido_figure_wavefront(const placido_wavefront *wavefront, const double *sigma_um,
+                             const char *path, placido_error *err);
 
 /* A daily check of the instrument on a ball. NaN: not seen. */
 typedef struct placido_drift_point {
@@ -55,6 +80,27 @@ typedef struct placido_report_pupil {
   size_t scene_count;
 } placido_report_pupil;
 
+/* The wavefront through one pupil. `figures` are ordered as placido_wavefront_figures, `sigmas`
+ * likewise (NULL: not known). */
+typedef struct placido_report_wavefront {
+  const placido_wavefront *front;
+  const double *figures, *sigmas;
+  const char *picture; /* maps/wavefront-6mm.png */
+} placido_report_wavefront;
+
+/* Where on the page a map stands, from large and first to small and last. */
+enum placido_report_place {
+  PLACIDO_PLACE_MAIN,
+  PLACIDO_PLACE_FURTHER,
+  PLACIDO_PLACE_UNCERTAINTY,
+  PLACIDO_PLACES
+};
+
+typedef struct placido_report_map {
+  const char *picture, *caption; /* name, unit, what it tells */
+  enum placido_report_place place;
+} placido_report_map;
+
 /* Everything that the page shows. Pointers are borrowed; NULL or 0 leaves a section out (a
  * simulation without a capture has no mires). */
 typedef struct placido_report {
@@ -65,10 +111,14 @@ typedef struct placido_report {
   const placido_mires *mires;
   const placido_fit_summary *fit;
   const char *capture_picture, *mires_picture;
-  const char *const *map_pictures; /* file names, NULL-terminated */
-  const char *const *map_captions; /* one a picture: name, unit, what it tells */
+  const placido_sigma *budget; /* PLACIDO_SIGMA_SOURCES of them */
+  double budget_zone_mm;
+  const placido_report_map *maps;
+  size_t map_count;
   const placido_index_value *indices;
   size_t index_count;
+  const placido_report_wavefront *wavefronts;
+  size_t wavefront_count;
   const placido_report_pupil *pupils;
   size_t pupil_count;
   const placido_stage *stages;

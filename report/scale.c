@@ -13,9 +13,11 @@
 static const double centre_D = 43.5;
 static const double keratometric = 337.5;
 
+#define STEPS_MAX 6
+
 /* One family of fixed steps. */
 typedef struct family {
-  double steps[4];
+  double steps[STEPS_MAX];
   int count, classes;
   double centre; /* a class bound where `classes` is even, the middle of a class where it is odd */
 } family;
@@ -40,16 +42,40 @@ static placido_scale make_scale(const family *f, double step) {
   return (placido_scale){middle - 0.5 * f->classes * step, step, f->classes, true};
 }
 
-placido_scale placido_scale_of_kind(const placido_map_kind *kind, double low, double high) {
-  family f = find_family(kind);
-  placido_scale scale = make_scale(&f, f.steps[0]);
-  for (int i = 1; i < f.count; i++) {
+/* The smallest of the family's steps that holds both. */
+static placido_scale choose(const family *f, double low, double high) {
+  placido_scale scale = make_scale(f, f->steps[0]);
+  for (int i = 1; i < f->count; i++) {
     if (low >= scale.first && high <= scale.first + scale.classes * scale.step) {
       break;
     }
-    scale = make_scale(&f, f.steps[i]);
+    scale = make_scale(f, f->steps[i]);
   }
   return scale;
+}
+
+placido_scale placido_scale_of_kind(const placido_map_kind *kind, double low, double high) {
+  family f = find_family(kind);
+  return choose(&f, low, high);
+}
+
+placido_scale placido_scale_for(const placido_map_kind *kind, enum placido_scale_mode mode,
+                                double low, double high) {
+  bool absolute = mode == PLACIDO_SCALE_ABSOLUTE;
+  family f = find_family(kind);
+  if (strcmp(kind->unit, "mm") == 0) {
+    return absolute ? (placido_scale){0, kind->step, 10, false} : placido_scale_from_zero(high);
+  }
+  if (mode == PLACIDO_SCALE_ADAPTIVE && !is_micrometre(kind->unit) && isfinite(low + high)) {
+    f.centre = (low + high) / 2;
+  }
+  return absolute ? make_scale(&f, kind->step) : choose(&f, low, high);
+}
+
+placido_scale placido_scale_of_difference(const char *unit, double low, double high) {
+  static const family powers = {{0.1, 0.25, 0.5, 1.0, 1.5}, 5, 21, 0};
+  static const family heights = {{0.5, 1, 2, 5, 10, 20}, 6, 21, 0};
+  return choose(is_micrometre(unit) ? &heights : &powers, low, high);
 }
 
 placido_scale placido_scale_from_zero(double high) {

@@ -3,8 +3,7 @@
 #define PLACIDO_REPORT_SCALE_H
 
 #include "report/canvas.h"
-
-#include <placido/map.h>
+#include "report/report.h"
 
 #define PLACIDO_CLASSES_MAX 21
 
@@ -22,6 +21,16 @@ typedef struct placido_scale {
  * (zero stands in the middle of one); any other about the curvature of 43.5 D with 1, 2, 5 and
  * 10 times kind->step. */
 placido_scale placido_scale_of_kind(const placido_map_kind *kind, double low, double high);
+
+/* The same in another way: PLACIDO_SCALE_ABSOLUTE is one and the same scale for every eye, with
+ * kind->step; PLACIDO_SCALE_ADAPTIVE puts dioptres (and other curvatures) about the middle of low
+ * and high, rounded to the step. Distances (mm) begin at 0 and have light to dark colours. */
+placido_scale placido_scale_for(const placido_map_kind *kind, enum placido_scale_mode mode,
+                                double low, double high);
+
+/* For a difference of values in `unit` (D or micrometres): about 0, the smallest of 0.1, 0.25, 0.5, 1
+ * and 1.5 D or of 0.5, 1, 2, 5, 10 and 20 um whose window holds both, else the largest. */
+placido_scale placido_scale_of_difference(const char *unit, double low, double high);
 
 /* For a quantity from 0 to `high`: at most ten classes with a step of 1, 2 or 5 times a power of
  * ten. */

@@ -2,7 +2,7 @@
 #include "acquire/cli/examination.h"
 
 static examination_step *const steps[] = {step_scenes, step_capture, step_mires, step_fit,
-                                          step_maps,   step_see,     step_save,  NULL};
+                                          step_maps,   step_wavefront, step_see, step_save, NULL};
 
 static const struct recipe recipe = {
     .format = "placido-exam/1", .marker = "exam.json", .steps = steps};
@@ -12,7 +12,7 @@ static int run(const struct settings *settings, struct outcome *outcome, placido
 }
 
 static const struct option_group *const groups[] = {
-    &options_directory, &options_measuring, &options_seeing, &options_general, NULL};
+    &options_directory, &options_measuring, &options_maps, &options_wavefront, &options_seeing, &options_general, NULL};
 
 const struct command command_exam = {
     .name = "exam",

@@ -42,9 +42,11 @@ static int make_place(struct examination *examination, placido_error *err) {
 static void examination_free(struct examination *examination) {
   placido_directory_discard(&examination->directory);
   views_free(&examination->views);
+  wavefronts_free(&examination->wavefronts);
   placido_maps_free(&examination->maps);
   placido_surface_free(examination->loaded);
   placido_fit_free(examination->fit);
+  placido_elevation_free(&examination->elevation);
   placido_mires_free(&examination->mires);
   placido_frame_free(&examination->frame);
   combination_free(&examination->combination);

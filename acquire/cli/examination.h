@@ -7,9 +7,12 @@
 #include "acquire/cli/combination.h"
 #include "acquire/cli/command.h"
 #include "acquire/cli/views.h"
+#include "acquire/cli/wavefront.h"
 #include "base/file.h"
 
 #include <placido/device.h>
+#include <placido/elevation.h>
+#include <placido/index.h>
 #include <placido/instrument.h>
 #include <placido/map.h>
 #include <placido/mires.h>
@@ -36,6 +39,10 @@ struct examination {
   placido_frame frame; /* no data: there was no capture */
   struct combination combination; /* of several frames; step_mires fills the rest */
 
+  /* step_heights, step_heights_fit: in place of a capture */
+  placido_elevation elevation;
+  placido_heights_summary heights;
+
   /* step_mires, step_fit, step_maps */
   placido_mires mires;
   placido_fit *fit;
@@ -44,6 +51,9 @@ struct examination {
   placido_maps maps;
   placido_index_value indices[PLACIDO_INDICES_MAX];
   size_t index_count;
+
+  /* step_wavefront */
+  struct wavefronts wavefronts;
 
   /* step_scenes, step_see */
   struct views views;
@@ -62,7 +72,10 @@ examination_step step_capture; /* device, instrument, distance, best frame */
 examination_step step_surface; /* the surface file named as input, in place of a capture */
 examination_step step_mires;
 examination_step step_fit;
+examination_step step_heights; /* others' heights, in place of a capture */
+examination_step step_heights_fit;
 examination_step step_maps;   /* maps and indices */
+examination_step step_wavefront;
 examination_step step_scenes; /* reads what is looked at, before any work */
 examination_step step_see;    /* point spread functions and scenes of every pupil */
 examination_step step_save;   /* every file of the directory */

@@ -2,10 +2,13 @@
 #include "acquire/cli/figures.h"
 
 #include "base/memory.h"
+#include "report/iso.h"
 #include "report/report.h"
 
 #include <stdio.h>
+#include <string.h>
 
+#define BUDGET_ZONE_MM 6 /* as in exam.json */
 #define CAPTURE_WIDTH_PX 640 /* of the picture in the report; the session keeps the frame */
 
 static const struct {
@@ -20,13 +23,20 @@ static const struct {
 static int draw_map(const struct examination *examination, size_t kind, size_t b,
                     const char *path, placido_error *err) {
   (void)b;
-  return placido_figure_map(&examination->maps, (int)kind, path, err);
+  return placido_figure_map_scaled(&examination->maps, (int)kind,
+                                   (enum placido_scale_mode)examination->settings->maps.scale, path,
+                                   err);
 }
 
-static int draw_sigma(const struct examination *examination, size_t which, size_t b,
+/* Of kind number `kind`, or of z behind the last one. */
+static int draw_sigma(const struct examination *examination, size_t kind, size_t b,
                       const char *path, placido_error *err) {
   (void)b;
-  return placido_figure_sigma(&examination->maps, error_bars[which].name, path, err);
+  size_t count;
+  const placido_map_kind *kinds = placido_map_kinds(&count);
+  char which[64];
+  snprintf(which, sizeof which, "sigma_%s", kind < count ? kinds[kind].name : "z");
+  return placido_figure_sigma(&examination->maps, which, path, err);
 }
 
 /* Mires of several frames are moved to where the one that is shown has them. */
@@ -66,13 +76,28 @@ static int draw_psf(const struct examination *examination, size_t pupil, size_t 
   return placido_figure_psf(&examination->views.items[pupil].psf, path, err);
 }
 
+static void name_wavefront(char name[JOB_NAME_SIZE], double pupil_mm) {
+  snprintf(name, JOB_NAME_SIZE, "maps/wavefront-%gmm.png", pupil_mm);
+}
+
+static int draw_wavefront(const struct examination *examination, size_t index, size_t b,
+                          const char *path, placido_error *err) {
+  (void)b;
+  const struct wavefront_view *view = &examination->wavefronts.items[index];
+  double sigma_um[PLACIDO_WAVEFRONT_TERMS];
+  for (int j = 0; j < PLACIDO_WAVEFRONT_TERMS; j++) {
+    sigma_um[j] = view->terms[j].sigma;
+  }
+  return placido_figure_wavefront(&view->front, sigma_um, path, err);
+}
+
 bool figures_available(void) {
   return true;
 }
 
 /* The slowest first: what is begun last is short, so that no thread waits long at the end. */
 void figures_add(struct jobs *jobs, const struct examination *examination) {
-  if (examination->fit) {
+  if (examination->frame.data) {
     jobs_add(jobs, draw_mires, 0, 0, "mires.png");
   }
   for (size_t i = 0; i < examination->views.count; i++) {
@@ -81,14 +106,23 @@ void figures_add(struct jobs *jobs, const struct examination *examination) {
   if (!examination->fit) {
     return;
   }
-  jobs_add(jobs, draw_capture, 0, 0, "capture.png");
+  if (examination->frame.data) {
+    jobs_add(jobs, draw_capture, 0, 0, "capture.png");
+  }
+  for (size_t i = 0; i < examination->wavefronts.count; i++) {
+    char name[JOB_NAME_SIZE];
+    name_wavefront(name, examination->wavefronts.items[i].front.eye.pupil_mm);
+    jobs_add(jobs, draw_wavefront, i, 0, "%s", name);
+  }
   size_t count;
   const placido_map_kind *kinds = placido_map_kinds(&count);
   for (size_t i = 0; i < count; i++) {
     jobs_add(jobs, draw_map, i, 0, "maps/%s.png", kinds[i].name);
   }
-  for (size_t i = 0; i < ERROR_BARS; i++) {
-    jobs_add(jobs, draw_sigma, i, 0, "maps/%s.png", error_bars[i].name);
+  for (size_t i = 0; i <= count; i++) {
+    if (i == count || !kinds[i].more) {
+      jobs_add(jobs, draw_sigma, i, 0, "maps/sigma_%s.png", i < count ? kinds[i].name : "z");
+    }
   }
 }
 
@@ -96,8 +130,13 @@ void figures_add(struct jobs *jobs, const struct examination *examination) {
 
 /* What the page borrows while it is written. */
 struct page {
-  char map_files[MAPS_MAX][JOB_NAME_SIZE], map_captions[MAPS_MAX][256];
-  const char *map_pictures[MAPS_MAX + 1], *captions[MAPS_MAX + 1];
+  char map_files[MAPS_MAX][JOB_NAME_SIZE], map_captions[MAPS_MAX][512];
+  placido_report_map maps[MAPS_MAX];
+  size_t map_count;
+  char wavefront_files[LIST_MAX][JOB_NAME_SIZE];
+  double wavefront_sigmas[LIST_MAX][WAVEFRONT_FIGURES_MAX];
+  placido_report_wavefront wavefronts[LIST_MAX];
+  placido_sigma budget[PLACIDO_SIGMA_SOURCES];
   char psf_files[LIST_MAX][JOB_NAME_SIZE], scene_files[LIST_MAX][LIST_MAX][JOB_NAME_SIZE];
   const char *scene_names[LIST_MAX][LIST_MAX], *scene_pictures[LIST_MAX][LIST_MAX];
   placido_report_pupil pupils[LIST_MAX];
@@ -105,23 +144,54 @@ struct page {
   placido_fit_summary fit;
 };
 
-static void list_map(struct page *page, size_t index, const char *name, const char *caption) {
+/* What does not fit any more is left out of the page, not of the directory. */
+static void list_map(struct page *page, const char *name, enum placido_report_place place,
+                     const char *caption) {
+  if (page->map_count == MAPS_MAX) {
+    return;
+  }
+  const size_t index = page->map_count++;
   snprintf(page->map_files[index], sizeof page->map_files[index], "maps/%s.png", name);
   snprintf(page->map_captions[index], sizeof page->map_captions[index], "%s", caption);
-  page->map_pictures[index] = page->map_files[index];
-  page->captions[index] = page->map_captions[index];
+  page->maps[index] =
+      (placido_report_map){page->map_files[index], page->map_captions[index], place};
+}
+
+/* The maps that everyone looks at first. */
+static enum placido_report_place place_of(const char *name) {
+  static const char *const first[] = {"axial", "tangential", "elevation", "refractive"};
+  for (size_t i = 0; i < sizeof first / sizeof first[0]; i++) {
+    if (strcmp(name, first[i]) == 0) {
+      return PLACIDO_PLACE_MAIN;
+    }
+  }
+  return PLACIDO_PLACE_FURTHER;
 }
 
 static void list_maps(struct page *page) {
-  size_t count, listed = 0;
+  size_t count;
   const placido_map_kind *kinds = placido_map_kinds(&count);
-  for (size_t i = 0; i < count && listed < MAPS_MAX - ERROR_BARS; i++) {
-    char caption[256];
-    snprintf(caption, sizeof caption, "%s (%s): %s", kinds[i].name, kinds[i].unit, kinds[i].help);
-    list_map(page, listed++, kinds[i].name, caption);
+  for (size_t i = 0; i < count; i++) {
+    char caption[512];
+    snprintf(caption, sizeof caption, "%s: %s", kinds[i].title, kinds[i].help);
+    list_map(page, kinds[i].name, place_of(kinds[i].name), caption);
   }
   for (size_t i = 0; i < ERROR_BARS; i++) {
-    list_map(page, listed++, error_bars[i].name, error_bars[i].caption);
+    list_map(page, error_bars[i].name, PLACIDO_PLACE_UNCERTAINTY, error_bars[i].caption);
+  }
+}
+
+static void list_wavefronts(struct page *page, const struct wavefronts *wavefronts) {
+  for (size_t i = 0; i < wavefronts->count; i++) {
+    const struct wavefront_view *view = &wavefronts->items[i];
+    for (int k = 0; k < WAVEFRONT_FIGURES_MAX; k++) {
+      page->wavefront_sigmas[i][k] = view->figure_spreads[k].sigma;
+    }
+    name_wavefront(page->wavefront_files[i], view->front.eye.pupil_mm);
+    page->wavefronts[i] = (placido_report_wavefront){.front = &view->front,
+                                                     .figures = view->figures,
+                                                     .sigmas = page->wavefront_sigmas[i],
+                                                     .picture = page->wavefront_files[i]};
   }
 }
 
@@ -166,10 +236,16 @@ static void describe_capture(placido_report *report, struct page *page,
   report->fit = &page->fit;
   report->capture_picture = "capture.png";
   report->mires_picture = "mires.png";
-  report->map_pictures = page->map_pictures;
-  report->map_captions = page->captions;
+  report->maps = page->maps;
+  report->map_count = page->map_count;
   report->indices = examination->indices;
   report->index_count = examination->index_count;
+  list_wavefronts(page, &examination->wavefronts);
+  report->wavefronts = page->wavefronts;
+  report->wavefront_count = examination->wavefronts.count;
+  placido_fit_budget(examination->fit, BUDGET_ZONE_MM, page->budget);
+  report->budget = page->budget;
+  report->budget_zone_mm = BUDGET_ZONE_MM;
 }
 
 int figures_report(const struct examination *examination, placido_error *err) {
@@ -219,4 +295,24 @@ int figures_drift(const struct ball_record *records, size_t count, const char *p
   const int status = placido_figure_drift(points, count, path, err);
   placido_memory_free(points);
   return status;
+}
+
+#define ISO_PICTURE "iso-check.png"
+
+int figures_iso(const placido_iso_result *results, size_t count, const char *instrument,
+                const char *created, const char *folder, placido_notes *notes, placido_error *err) {
+  (void)notes;
+  char path[PLACIDO_PATH_MAX];
+  const placido_iso_report report = {.instrument = instrument,
+                                     .software = PROGRAM_VERSION,
+                                     .created = created,
+                                     .note = iso_targets_note,
+                                     .results = results,
+                                     .count = count};
+  int status = placido_path_join(path, folder, ISO_PICTURE, err);
+  if (status == PLACIDO_OK) {
+    status = placido_figure_iso(results, count, path, err);
+  }
+  return status == PLACIDO_OK ? placido_report_iso_write(&report, folder, ISO_PICTURE, err)
+                              : status;
 }

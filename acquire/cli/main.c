@@ -17,7 +17,8 @@ static const struct command *const commands[] = {&command_exam, &command_reconst
                                                  &command_live,
                                                  &command_session,
                                                  &command_record,
-                                                 &command_calibrate, &command_verify,
+                                                 &command_import, &command_export,
+                                                 &command_calibrate, &command_verify, &command_compare, &command_iso_check,
                                                  &command_bench};
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
 

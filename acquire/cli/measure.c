@@ -1,4 +1,4 @@
-/* From the frame to the cornea: mires, surface, maps, indices. */
+/* From the frame to the cornea: mires, surface, maps, indices, wavefront. */
 #include "acquire/cli/examination.h"
 
 #define MAP_STEP_MM 0.1 /* the grid of maps.csv, docs/formats.md */
@@ -31,14 +31,29 @@ int step_fit(struct examination *examination, placido_error *err) {
 
 int step_maps(struct examination *examination, placido_error *err) {
   stages_next(&examination->outcome->stages, "maps");
-  const int status = placido_maps_new(&examination->maps, examination->surface, examination->fit,
-                                      MAP_STEP_MM, err);
+  const struct settings *settings = examination->settings;
+  const placido_maps_options options = {.zone_mm = settings->maps.zone_mm,
+                                        .index = settings->index,
+                                        .retina_mm = settings->retina_mm};
+  int status = placido_maps_find_all(&examination->maps, examination->surface, examination->fit,
+                                     &options, MAP_STEP_MM, err);
   if (status != PLACIDO_OK) {
     return status;
   }
   stages_next(&examination->outcome->stages, "indices");
-  return placido_indices_find(examination->indices, &examination->index_count,
-                              examination->surface, examination->fit, err);
+  status = placido_indices_find(examination->indices, &examination->index_count,
+                                examination->surface, examination->fit, err);
+  return status == PLACIDO_OK && examination->frame.data
+             ? placido_indices_of_mires(examination->indices, &examination->index_count,
+                                        examination->fit, &examination->mires,
+                                        &examination->instrument, err)
+             : status;
+}
+
+int step_wavefront(struct examination *examination, placido_error *err) {
+  stages_next(&examination->outcome->stages, "wavefront");
+  return wavefronts_find(&examination->wavefronts, examination->surface, examination->fit,
+                         examination->settings, &examination->outcome->notes, err);
 }
 
 int step_surface(struct examination *examination, placido_error *err) {

@@ -14,7 +14,10 @@ static const char *const known[] = {".",          "..",         "exam.json",
                                     "maps",       "maps.csv",   "reconstruction.json",
                                     "mires.csv",  "mires.png",  "simulation.json",
                                     "report.html", "capture.png", "surface.json",
-                                    "indices.json"};
+                                    "indices.json", "maps_more.csv", "maps_sigma.csv",
+                                    "compare.json", "compare.html", "difference.csv",
+                                    "import.json", "wavefront.json", "iso-check.html",
+                                    "iso-check.png", "iso-check.csv", "iso-check.json"};
 static const char pupil_folder[] = "pupil-";
 
 static bool is_known(const char *name) {

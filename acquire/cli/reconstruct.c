@@ -2,7 +2,7 @@
 #include "acquire/cli/examination.h"
 
 static examination_step *const steps[] = {step_capture, step_mires, step_fit,
-                                          step_maps,    step_save,  NULL};
+                                          step_maps,    step_wavefront, step_save, NULL};
 
 static const struct recipe recipe = {
     .format = "placido-reconstruction/1", .marker = "reconstruction.json", .steps = steps};
@@ -11,12 +11,12 @@ static int run(const struct settings *settings, struct outcome *outcome, placido
   return examination_run(&recipe, settings, outcome, err);
 }
 
-static const struct option_group *const groups[] = {&options_directory, &options_measuring,
-                                                    &options_general, NULL};
+static const struct option_group *const groups[] = {&options_directory, &options_measuring, &options_maps,
+                                                    &options_wavefront, &options_general, NULL};
 
 const struct command command_reconstruct = {
     .name = "reconstruct",
-    .summary = "Measure the cornea only: mires, surface, maps, indices.",
+    .summary = "Measure the cornea only: mires, surface, maps, indices, wavefront.",
     .usage = "INPUT -o DIR [OPTION...]",
     .examples = "  placido reconstruct eye.session -o cornea\n"
                 "  placido reconstruct eye.png --instrument cone.json --axis-z 0 -o cornea\n"

@@ -71,8 +71,10 @@ static struct builder build_input(const struct examination *examination) {
   struct builder builder = builder_new();
   const placido_device_info *source = &examination->source;
   put_text(&builder, "path", examination->settings->input);
-  if (examination->frame.data) {
+  if (examination->frame.data || examination->elevation.count > 0) {
     put_text(&builder, "eye", source->eye);
+  }
+  if (examination->frame.data) {
     put_text(&builder, "vendor", source->vendor);
     put_text(&builder, "model", source->model);
     put_text(&builder, "serial", source->serial);
@@ -178,6 +180,36 @@ static struct builder build_budget(const struct examination *examination) {
   return builder;
 }
 
+static const double pi = 3.14159265358979323846;
+
+static void put_shape(struct builder *builder, const char *key,
+                      const placido_conicoid_shape *shape) {
+  const double cross = sqrt(shape->d_mm1 * shape->d_mm1 + shape->e_mm1 * shape->e_mm1);
+  struct builder best = builder_new();
+  put_real(&best, "r1_mm", 1 / (shape->c_mm1 - cross));
+  put_real(&best, "r2_mm", 1 / (shape->c_mm1 + cross));
+  put_real(&best, "q", shape->p - 1);
+  put_real(&best, "axis_deg",
+           cross > 0 ? fmod(90 / pi * atan2(-shape->e_mm1, -shape->d_mm1) + 180, 180) : (double)NAN);
+  put_real(&best, "x_mm", shape->x_mm);
+  put_real(&best, "y_mm", shape->y_mm);
+  put_real(&best, "z_mm", shape->z_mm);
+  put_real(&best, "zone_mm", shape->zone_mm);
+  put_object(builder, key, best);
+}
+
+/* What the maps take for granted, beside the best-fit sphere. */
+static struct builder build_maps(const placido_maps *maps) {
+  struct builder builder = builder_new();
+  put_real(&builder, "index", maps->index);
+  put_real(&builder, "retina_mm", maps->retina_mm);
+  put_real(&builder, "vertex_x_mm", maps->vertex_mm[0]);
+  put_real(&builder, "vertex_y_mm", maps->vertex_mm[1]);
+  put_shape(&builder, "best_fit_conic", &maps->references[PLACIDO_REFERENCE_CONIC]);
+  put_shape(&builder, "best_fit_toric", &maps->references[PLACIDO_REFERENCE_TORIC]);
+  return builder;
+}
+
 static struct builder build_fit(const struct examination *examination) {
   struct builder builder = builder_new();
   const placido_fit_summary fit = placido_fit_summary_get(examination->fit);
@@ -198,6 +230,40 @@ static struct builder build_fit(const struct examination *examination) {
   put_real(&best, "zone_mm", sphere->zone_mm);
   put_object(&builder, "best_fit_sphere", best);
   put_object(&builder, "error_budget", build_budget(examination));
+  return builder;
+}
+
+/* What the maker of the file says of the eye. */
+static struct builder build_maker(const placido_elevation_maker *maker) {
+  struct builder builder = builder_new();
+  put_real(&builder, "k1_D", maker->k_D[0]);
+  put_real(&builder, "k1_axis_deg", maker->axis_deg[0]);
+  put_real(&builder, "k2_D", maker->k_D[1]);
+  put_real(&builder, "k2_axis_deg", maker->axis_deg[1]);
+  put_real(&builder, "corneal_diameter_mm", maker->corneal_diameter_mm);
+  put_real(&builder, "pupil_diameter_mm", maker->pupil_diameter_mm);
+  put_real(&builder, "pupil_radius_of_curvature_mm", maker->pupil_radius_mm);
+  put_text(&builder, "eye_flag", maker->eye_flag);
+  return builder;
+}
+
+/* What others measured, and how well the surface follows it. */
+static struct builder build_heights(const struct examination *examination) {
+  struct builder builder = builder_new();
+  const placido_elevation *elevation = &examination->elevation;
+  const placido_heights_summary *fitted = &examination->heights;
+  put_text(&builder, "kind", elevation->kind);
+  put_integer(&builder, "points", (long long)fitted->count);
+  put_integer(&builder, "missing", (long long)elevation->missing);
+  put_real(&builder, "spacing_mm", fitted->spacing_mm);
+  put_real(&builder, "rms_um", fitted->rms_um);
+  put_real(&builder, "sigma_um", fitted->sigma_um);
+  put_real(&builder, "worst_um", fitted->worst_um);
+  put_integer(&builder, "worst_line", elevation->lines[fitted->worst]);
+  put_real(&builder, "correlation", fitted->correlation);
+  if (elevation->ring_count > 0) {
+    put_object(&builder, "maker", build_maker(&elevation->maker));
+  }
   return builder;
 }
 
@@ -254,9 +320,15 @@ static struct builder build_record(const struct examination *examination) {
   put_text(&builder, "created", examination->created);
   put_object(&builder, "input", build_input(examination));
   put_object(&builder, "settings", build_settings(examination));
-  if (examination->fit) {
+  if (examination->elevation.count > 0) {
+    put_object(&builder, "heights", build_heights(examination));
+  }
+  if (examination->frame.data) {
     put_object(&builder, "capture", build_capture(examination));
+  }
+  if (examination->fit) {
     put_object(&builder, "fit", build_fit(examination));
+    put_object(&builder, "maps", build_maps(&examination->maps));
   }
   if (examination->views.scene_count > 0) {
     put_views(&builder, &examination->views);

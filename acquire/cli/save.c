@@ -45,11 +45,32 @@ static int save_maps(const struct examination *examination, size_t a, size_t b, 
   return placido_maps_save(&examination->maps, path, err);
 }
 
+static int save_more_maps(const struct examination *examination, size_t a, size_t b,
+                          const char *path, placido_error *err) {
+  (void)a;
+  (void)b;
+  return placido_maps_save_more(&examination->maps, path, err);
+}
+
+static int save_sigmas(const struct examination *examination, size_t a, size_t b,
+                       const char *path, placido_error *err) {
+  (void)a;
+  (void)b;
+  return placido_maps_save_sigma(&examination->maps, path, err);
+}
+
 static int save_indices(const struct examination *examination, size_t a, size_t b,
                         const char *path, placido_error *err) {
   (void)a;
   (void)b;
   return placido_indices_save(examination->indices, examination->index_count, path, err);
+}
+
+static int save_wavefronts(const struct examination *examination, size_t a, size_t b,
+                           const char *path, placido_error *err) {
+  (void)a;
+  (void)b;
+  return wavefronts_save(&examination->wavefronts, path, err);
 }
 
 static int save_psf_table(const struct examination *examination, size_t pupil, size_t b,
@@ -70,11 +91,18 @@ static int save_scene(const struct examination *examination, size_t pupil, size_
   return placido_image_save_png(&examination->views.items[pupil].seen[scene], path, err);
 }
 
-static void add_measured(struct jobs *jobs) {
-  jobs_add(jobs, save_mires, 0, 0, "mires.csv");
+static void add_measured(struct jobs *jobs, const struct examination *examination) {
+  if (examination->frame.data) {
+    jobs_add(jobs, save_mires, 0, 0, "mires.csv");
+  }
   jobs_add(jobs, save_surface, 0, 0, "surface.json");
   jobs_add(jobs, save_maps, 0, 0, "maps.csv");
+  jobs_add(jobs, save_more_maps, 0, 0, "maps_more.csv");
+  jobs_add(jobs, save_sigmas, 0, 0, "maps_sigma.csv");
   jobs_add(jobs, save_indices, 0, 0, "indices.json");
+  if (examination->wavefronts.count > 0) {
+    jobs_add(jobs, save_wavefronts, 0, 0, "wavefront.json");
+  }
 }
 
 static void add_views(struct jobs *jobs, const struct views *views) {
@@ -148,7 +176,7 @@ static int save_files(struct jobs *jobs, const struct examination *examination,
                       placido_error *err) {
   figures_add(jobs, examination);
   if (examination->fit) {
-    add_measured(jobs);
+    add_measured(jobs, examination);
   }
   add_views(jobs, &examination->views);
   if (jobs->count > JOBS_MAX) {

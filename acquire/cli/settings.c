@@ -81,6 +81,27 @@ static int parse_triple(void *field, const struct option_row *row, const char *t
   return parse_tuple(field, row, text, 3, 3, err);
 }
 
+static int parse_pair(void *field, const struct option_row *row, const char *text,
+                      placido_error *err) {
+  return parse_tuple(field, row, text, 2, 2, err);
+}
+
+/* Pupils whose pictures are named by their size: to six digits, as %g writes it. */
+static int parse_different(void *field, const struct option_row *row, const char *text,
+                           placido_error *err) {
+  const int status = parse_numbers(field, row, text, err);
+  const struct number_list *list = field;
+  for (size_t i = 0; i < list->count && status == PLACIDO_OK; i++) {
+    for (size_t k = 0; k < i; k++) {
+      if (fabs(list->values[i] - list->values[k]) < 1e-4) {
+        return placido_error_set(err, STATUS_USAGE, "--%s: %g stands twice", row->name,
+                                 list->values[i]);
+      }
+    }
+  }
+  return status;
+}
+
 static int parse_seed(void *field, const struct option_row *row, const char *text,
                       placido_error *err) {
   int seed;
@@ -147,6 +168,18 @@ static const struct option_row eye_rows[] = {
     {"correction", 0, "S,C,AXIS", "Correcting lens on the cornea: sphere and cylinder in dioptres, "
      "axis in degrees (default: cylinder and axis searched for the best focus).",
      FIELD(correction), parse_lens, -180, 180},
+};
+
+static const struct option_row wavefront_rows[] = {
+    {"wavefront", 0, "MM,MM,...", "Diameters of the pupils whose corneal wavefront is given, mm "
+     "(default 3,6).", FIELD(wavefront_mm), parse_different, 0.5, 12},
+    {"wavefront-centre", 0, "X,Y", "Their centre, mm from the instrument's axis (default 0,0).",
+     FIELD(wavefront_centre_mm), parse_pair, -6, 6},
+    {"wavefront-order", 0, "N", "Highest order of the Zernike terms (default 8).",
+     FIELD(wavefront_order), parse_integer, 2, 10},
+    {"wavefront-index", 0, "N", "Refractive index behind the cornea: 1.3375 keratometric, 1.376 "
+     "of the cornea itself (default: --index, else 1.3375).", FIELD(wavefront_index),
+     parse_number, 1.01, 2},
 };
 
 static const struct option_row phantom_rows[] = {
@@ -254,6 +287,8 @@ const struct option_group options_directory = {"Output", directory_rows, COUNT(d
 const struct option_group options_measuring = {"Measuring", measuring_rows, COUNT(measuring_rows)};
 const struct option_group options_seeing = {"Seeing", seeing_rows, COUNT(seeing_rows)};
 const struct option_group options_eye = {"Eye", eye_rows, COUNT(eye_rows)};
+const struct option_group options_wavefront = {"Corneal wavefront", wavefront_rows,
+                                                COUNT(wavefront_rows)};
 const struct option_group options_session = {"Session", session_rows, COUNT(session_rows)};
 const struct option_group options_phantom = {"Phantom", phantom_rows, COUNT(phantom_rows)};
 const struct option_group options_devices = {"Devices", devices_rows, COUNT(devices_rows)};
@@ -271,6 +306,7 @@ struct settings settings_default(void) {
       .frames = 8,
       .pictures = 16,
       .pupils_mm = {.count = 3, .values = {2.0, 4.0, 8.0}},
+      .wavefront_mm = {.count = 2, .values = {3.0, 6.0}},
       .disturbance = {.seed = 1},
   };
 }

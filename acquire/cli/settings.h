@@ -2,6 +2,8 @@
 #ifndef PLACIDO_CLI_SETTINGS_H
 #define PLACIDO_CLI_SETTINGS_H
 
+#include "acquire/cli/exchange_settings.h"
+#include "acquire/cli/map_settings.h"
 #include "acquire/cli/options.h"
 #include "acquire/cli/take_settings.h"
 
@@ -35,6 +37,9 @@ struct settings {
   double knot_mm;
   int meridians;
 
+  struct map_settings maps;
+  struct compare_settings compare;
+
   /* seeing */
   struct number_list pupils_mm;
   struct text_list scenes;
@@ -42,6 +47,11 @@ struct settings {
   int samples;
   bool cwhatuc;
   struct lens correction;
+
+  /* the corneal wavefront */
+  struct number_list wavefront_mm, wavefront_centre_mm; /* pupils; x and y */
+  double wavefront_index; /* 0: `index` */
+  int wavefront_order;
 
   /* phantom */
   const char *eye, *side;
@@ -56,6 +66,11 @@ struct settings {
   double ball_mm, limit_D;
   const char *log;
 
+  /* the accuracy test */
+  struct text_list iso_images, iso_objects; /* in pairs; an object is a radius or a file */
+  const char *iso_list;
+  struct number_list iso_axis_z_mm;
+
   /* devices */
   bool watch, window;
 
@@ -65,6 +80,9 @@ struct settings {
   /* recording */
   struct take_settings take;
 
+  /* others' data */
+  struct exchange_settings exchange;
+
   /* simulated devices */
   const char *face, *serial, *listen, *faults;
   double rate_hz, for_s; /* 0: as the view has it; for ever */
@@ -73,13 +91,22 @@ struct settings {
 };
 
 /* The option tables, in the order in which help shows them. */
-extern const struct option_group options_general, options_measuring, options_seeing, options_eye,
+extern const struct option_group options_general, options_measuring, options_seeing, options_eye, options_wavefront,
     options_directory, options_phantom, options_devices, options_simulated,
     options_session,
     options_calibrate, options_verify;
 
+/* In exchange_settings.c. */
+extern const struct option_group options_import, options_export;
+
+/* In map_settings.c. */
+extern const struct option_group options_maps, options_compare;
+
 /* In take_settings.c. */
 extern const struct option_group options_take, options_burst;
+
+/* In iso_settings.c. */
+extern const struct option_group options_iso;
 
 /* "Z" or "Z,SIGMA" into a struct distance; without SIGMA it counts as exactly known. */
 int parse_distance(void *field, const struct option_row *row, const char *text,

@@ -25,6 +25,14 @@ static void print_fit(const struct examination *examination) {
       100.0 * examination->mires.coverage, fit.rms_px);
 }
 
+static void print_heights(const struct examination *examination) {
+  const placido_heights_summary *fitted = &examination->heights;
+  say(examination->settings,
+      "%zu points, %zu missing: residual %.3f um rms, at most %.2f um, knots every %g mm",
+      fitted->count, examination->elevation.missing, fitted->rms_um, fabs(fitted->worst_um),
+      fitted->knot_mm);
+}
+
 static void print_index(const struct settings *settings, const placido_index_value *index) {
   if (isfinite(index->sigma)) {
     say(settings, "%-26s %9.3f ± %.3f %s", index->name, index->value, index->sigma, index->unit);
@@ -49,13 +57,16 @@ static void print_view(const struct settings *settings, const struct view *view)
 
 void summary_print(const struct examination *examination) {
   const struct settings *settings = examination->settings;
-  if (examination->fit) {
+  if (examination->elevation.count > 0) {
+    print_heights(examination);
+  } else if (examination->fit) {
     print_frames(examination);
     print_fit(examination);
   }
   for (size_t i = 0; i < examination->index_count; i++) {
     print_index(settings, &examination->indices[i]);
   }
+  wavefronts_print(&examination->wavefronts, settings);
   for (size_t i = 0; i < examination->views.count; i++) {
     print_view(settings, &examination->views.items[i]);
   }

@@ -16,6 +16,7 @@ typedef struct placido_mire_point {
   double sigma_px;     /* standard deviation across the edge */
   bool used;           /* taken by the surface fit */
   double residual_px;  /* distance from the fitted surface's edge; NaN before the fit */
+  bool folded;         /* where the cornea seems to mirror the mires twice: trust no place there */
 } placido_mire_point;
 
 typedef struct placido_mires {
@@ -23,9 +24,14 @@ typedef struct placido_mires {
   int edge_count, meridian_count;
   size_t count;
   placido_mire_point *points; /* ordered by edge, then meridian */
-  double coverage;            /* share of edge_count × meridian_count that was found */
+  size_t doubtful_count;
+  placido_mire_point *doubtful; /* seen and numbered, but not to be fitted to (`used` is false): a
+                                   lash, a reflection or saturation may pull them. Same order */
+  double coverage;            /* share of edge_count × meridian_count that was found, doubtful
+                                      or not */
   double stray;    /* share of the meridians on which strong edges among the numbered ones have no
                       number: lashes, or a cornea that folds the mires */
+  double folded;   /* share of the meridians on which the mires show a fold */
   double contrast;            /* mean edge height over the image's full range */
 } placido_mires;
 

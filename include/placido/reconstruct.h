@@ -7,10 +7,13 @@
 #include <placido/surface.h>
 #include <placido/uncertainty.h>
 
+/* Opaque: the fitted surface with its covariance. Immutable. */
+typedef struct placido_fit placido_fit;
+
 /* Knobs of the fit; zero means the default in brackets. */
 typedef struct placido_fit_options {
   double axis_z_mm;       /* z of the cornea at x = y = 0 [0] */
-  double axis_z_sigma_mm; /* its standard deviation; 0 means exactly known */
+  double axis_z_sigma_mm; /* its standard deviation; 0 means exactly known: taken as it is */
   const placido_uncertainty *geometry; /* of the instrument, independent of axis_z; borrowed. NULL
                              or without modes: its part of the error bars is not known */
   int geometry_modes;     /* so many of its modes count, the strongest ones [all]; each costs
@@ -19,10 +22,11 @@ typedef struct placido_fit_options {
   double smoothing;       /* weight of the third-derivative penalty [1000] */
   int steps_max;          /* Gauss-Newton steps [40] */
   int threads;            /* [1]; the result does not depend on it */
+  const placido_fit *start; /* of the frame before, of the same eye under the same instrument: the
+                             fit starts there, which takes a half of the time, and agrees with one
+                             from the beginning to a small part of its error bars. Where it is too
+                             far away it is passed over. Borrowed; may be NULL */
 } placido_fit_options;
-
-/* Opaque: the fitted surface with its covariance. Immutable. */
-typedef struct placido_fit placido_fit;
 
 /* How the fit went. */
 typedef struct placido_fit_summary {
@@ -33,9 +37,14 @@ typedef struct placido_fit_summary {
   double knot_mm;
   double radius_mm;         /* of the fitted disc */
   double condition;         /* estimate of the normal matrix's condition number */
+  double axis_z_mm, axis_z_sigma_mm; /* as given or as solved for */
+  bool axis_z_solved;       /* the mires told the distance better than axis_z_sigma_mm of the options:
+                               it is the mean of both, weighted by their variances */
 } placido_fit_summary;
 
-/* Fits the surface. Sets used and residual_px in `mires`. Free with placido_fit_free.
+/* Fits the surface. Sets used and residual_px in `mires`, and corrects numbers that the surface
+ * contradicts (with a note); a point for whose new number there is no edge goes. Free with
+ * placido_fit_free.
  * Returns PLACIDO_OK, PLACIDO_INPUT (an option out of range), PLACIDO_QUALITY (too few points, no
  * convergence, or no cornea: the sentence says which), PLACIDO_MEMORY. */
 int placido_fit_new(placido_fit **fit, placido_mires *mires,
@@ -47,9 +56,10 @@ void placido_fit_free(placido_fit *fit);
 const placido_surface *placido_fit_surface(const placido_fit *fit);
 placido_fit_summary placido_fit_summary_get(const placido_fit *fit);
 
-/* Standard deviations at (x, y), 1 sigma: of z (micrometres) against its value on the axis, whose
- * own uncertainty is axis_z_sigma_mm, and of axial curvature (337.5 dioptres); from edge noise,
- * smoothing and the uncertainty of distance and geometry. NaN outside the disc. */
+/* Standard deviations at (x, y), 1 sigma: of z (micrometres) against the mean height of the covered
+ * part of the central 3 mm, as elevations are compared, and of axial curvature (337.5 dioptres); from
+ * edge noise (what edges have in common with it), smoothing and the uncertainty of distance and
+ * geometry. The height as a whole is as uncertain as axis_z_sigma_mm. NaN outside the disc. */
 void placido_fit_sigma_at(const placido_fit *fit, double x_mm, double y_mm, double *sigma_z_um,
                           double *sigma_axial_D);
 

@@ -1,142 +1,181 @@
-/* Simulated keratometry: 337.5 over the mean axial radius around the 3 mm circle about the vertex,
- * for the flattest diameter and the one perpendicular to it. The zone is that of the mires 6 to 8
- * of the TMS instruments, 3 mm wide; axial power and both semi-meridians as there. Anchored on the
- * flattest meridian, not on the steepest: on an irregular cornea the two rules differ. */
+/* Simulated keratometry: 337.5 over the mean axial radius of the 3 mm circle about the vertex, for
+ * the flattest diameter and the one perpendicular to it. The zone is that of the mires 6 to 8 of
+ * the TMS instruments (Dingeldein, Klyce & Wilson, Refract. Corneal Surg. 5, 372-378, 1989), 1.2
+ * to 1.8 mm from the vertex; axial power and both semi-meridians as there. Anchored on the flattest
+ * meridian; the TMS anchors on the steepest, which is told as well: on an irregular cornea the two
+ * rules differ. */
 #include "reconstruct/indices/cornea.h"
 #include "reconstruct/maps/kinds.h"
-#include "reconstruct/maps/sigma.h"
 
 #include <math.h>
 
-#define DEGREE (3.14159265358979323846 / 180.0)
-#define MERIDIANS 180
-#define FIRST_MM 1.3
-#define SAMPLES 5 /* along a semi-meridian, 0.1 mm apart */
-#define SAMPLES_MIN 3
+#define DIAMETERS (PLACIDO_AZIMUTHS / 2)
+#define STEP_DEG (360.0 / PLACIDO_AZIMUTHS)
+#define FIRST_RING 6 /* at 1.3, 1.5 and 1.7 mm */
+#define LAST_RING 8
+#define SAMPLES_MIN 2      /* of a semi-meridian's */
 #define NO_CYLINDER_D 1e-6 /* below it an axis is rounding */
-#define UNKNOWN_DEG 51.96  /* standard deviation of an axis that may be anywhere: 180/sqrt(12) */
 
-/* Sums along a line of samples. */
-struct sums {
-  int count;
-  double radius_mm, sigma_D;
-};
-
-/* What is measured, and about which line. */
-struct place {
-  const placido_surface *surface;
-  const placido_fit *fit;
-  placido_vertex vertex;
-};
-
-static struct sums add_semi_meridian(const struct place *place, double angle) {
-  struct sums sums = {0};
-  for (int i = 0; i < SAMPLES; i++) {
-    double r = FIRST_MM + i * 0.1, sigma_z;
-    /* the point as seen from the vertex: axial power is about the line through it */
-    placido_map_point point = {.x_mm = r * cos(angle), .y_mm = r * sin(angle)};
-    double x = place->vertex.x_mm + point.x_mm, y = place->vertex.y_mm + point.y_mm;
-    if (placido_surface_covered(place->surface, x, y) &&
-        placido_surface_at(place->surface, x, y, &point.jet)) {
-      double sigma;
-      placido_sigma_at(place->fit, x, y, &sigma_z, &sigma);
-      sums.count++;
-      sums.radius_mm += PLACIDO_KERATOMETRIC / placido_map_axial(&point);
-      sums.sigma_D += sigma * hypot(x, y) / r; /* it goes as the slope's error over the distance */
+/* Adds up a semi-meridian's axial radii; their mean, NaN where too few are supported. */
+static double mean_radius(const double *power, int count) {
+  double sum = 0;
+  int found = 0;
+  for (int i = 0; i < count; i++) {
+    if (isfinite(power[i])) {
+      sum += PLACIDO_KERATOMETRIC / power[i];
+      found++;
     }
   }
-  return sums;
+  return found >= SAMPLES_MIN ? sum / found : NAN;
 }
 
-/* Power of a diameter, NaN where a half of it lacks data. Its sigma takes the errors of the samples
- * as fully correlated: an upper bound. */
-static double power_along(const struct place *place, double axis_deg, double *sigma_D) {
-  double angle = axis_deg * DEGREE;
-  struct sums one = add_semi_meridian(place, angle);
-  struct sums other = add_semi_meridian(place, angle + 180 * DEGREE);
-  *sigma_D = NAN;
-  if (one.count < SAMPLES_MIN || other.count < SAMPLES_MIN) {
-    return NAN;
+static double radius_of_sample(const placido_cornea *cornea, int azimuth) {
+  double power[LAST_RING - FIRST_RING + 1];
+  for (int ring = FIRST_RING; ring <= LAST_RING; ring++) {
+    power[ring - FIRST_RING] = cornea->axial_D[ring][azimuth];
   }
-  double radius_mm = (one.radius_mm / one.count + other.radius_mm / other.count) / 2;
-  *sigma_D = (one.sigma_D / one.count + other.sigma_D / other.count) / 2;
-  return PLACIDO_KERATOMETRIC / radius_mm;
+  return mean_radius(power, LAST_RING - FIRST_RING + 1);
 }
 
-/* The flattest diameter, refined between whole degrees by the parabola through its neighbours; NaN
- * without data in at least half of the diameters. */
-static double find_flattest(const struct place *place) {
-  double power[MERIDIANS], sigma;
+static double radius_along(const placido_cornea *cornea, double angle_deg) {
+  double power[LAST_RING - FIRST_RING + 1];
+  for (int ring = FIRST_RING; ring <= LAST_RING; ring++) {
+    power[ring - FIRST_RING] = placido_cornea_axial(cornea, placido_ring_radius(ring), angle_deg);
+  }
+  return mean_radius(power, LAST_RING - FIRST_RING + 1);
+}
+
+static double power_along(const placido_cornea *cornea, double axis_deg) {
+  double one = radius_along(cornea, axis_deg), other = radius_along(cornea, axis_deg + 180);
+  return 2 * PLACIDO_KERATOMETRIC / (one + other);
+}
+
+/* The diameter with the greatest value of sign * power, between whole steps by the parabola through
+ * its neighbours; NaN without data on at least half of the diameters. */
+static double find_extreme(const double power[DIAMETERS], double sign) {
   int best = -1, count = 0;
-  for (int i = 0; i < MERIDIANS; i++) {
-    power[i] = power_along(place, i, &sigma);
+  for (int i = 0; i < DIAMETERS; i++) {
     count += isfinite(power[i]);
-    if (isfinite(power[i]) && (best < 0 || power[i] < power[best])) {
+    if (isfinite(power[i]) && (best < 0 || sign * power[i] > sign * power[best])) {
       best = i;
     }
   }
-  if (2 * count < MERIDIANS) {
+  if (2 * count < DIAMETERS) {
     return NAN;
   }
-  double before = power[(best + MERIDIANS - 1) % MERIDIANS], behind = power[(best + 1) % MERIDIANS];
-  double bend = before + behind - 2 * power[best];
-  double shift = bend > 0 ? 0.5 * (before - behind) / bend : 0;
-  return fmod(best + shift + MERIDIANS, MERIDIANS);
+  double shift = placido_peak_offset(power[(best + DIAMETERS - 1) % DIAMETERS], power[best],
+                                     power[(best + 1) % DIAMETERS]);
+  return fmod((best + shift) * STEP_DEG + 180, 180);
 }
 
-placido_simk placido_simk_find(const placido_surface *surface, const placido_fit *fit,
-                               placido_vertex vertex) {
-  struct place place = {surface, NULL, vertex};
-  placido_simk simk = {NAN, NAN, NAN, NAN, NAN, NAN};
-  double axis_deg = isnan(vertex.x_mm) ? NAN : find_flattest(&place);
-  if (isnan(axis_deg)) {
-    return simk;
+static void measure(placido_cornea *cornea) {
+  placido_simk *simk = &cornea->simk;
+  double power[DIAMETERS];
+  for (int i = 0; i < DIAMETERS; i++) {
+    power[i] = 2 * PLACIDO_KERATOMETRIC /
+               (radius_of_sample(cornea, i) + radius_of_sample(cornea, i + DIAMETERS));
   }
-  place.fit = fit;
-  simk.flat_D = power_along(&place, axis_deg, &simk.sigma_flat_D);
-  simk.steep_D = power_along(&place, axis_deg + 90, &simk.sigma_steep_D);
-  if (simk.steep_D - simk.flat_D > NO_CYLINDER_D) {
-    simk.flat_axis_deg = axis_deg;
-    simk.steep_axis_deg = fmod(axis_deg + 90, MERIDIANS);
+  double flat_deg = find_extreme(power, -1), steep_deg = find_extreme(power, 1);
+  *simk = (placido_simk){.flat_axis_deg = NAN, .steep_axis_deg = NAN};
+  simk->flat_D = power_along(cornea, flat_deg);
+  simk->across_flat_D = power_along(cornea, flat_deg + 90);
+  simk->steep_D = power_along(cornea, steep_deg);
+  simk->across_steep_D = power_along(cornea, steep_deg + 90);
+  if (simk->across_flat_D - simk->flat_D > NO_CYLINDER_D) {
+    simk->flat_axis_deg = flat_deg;
   }
-  return simk;
+  if (simk->steep_D - simk->across_steep_D > NO_CYLINDER_D) {
+    simk->steep_axis_deg = steep_deg;
+  }
 }
 
-double placido_index_simk_flat(const placido_cornea *cornea, double *sigma) {
-  *sigma = cornea->simk.sigma_flat_D;
+static double flat(const placido_cornea *cornea) {
   return cornea->simk.flat_D;
 }
 
-double placido_index_simk_steep(const placido_cornea *cornea, double *sigma) {
-  *sigma = cornea->simk.sigma_steep_D;
-  return cornea->simk.steep_D;
-}
-
-/* The errors of the two meridians taken as opposed: an upper bound. */
-double placido_index_simk_cylinder(const placido_cornea *cornea, double *sigma) {
-  *sigma = cornea->simk.sigma_flat_D + cornea->simk.sigma_steep_D;
-  return cornea->simk.steep_D - cornea->simk.flat_D;
-}
-
-double placido_index_simk_mean(const placido_cornea *cornea, double *sigma) {
-  *sigma = (cornea->simk.sigma_flat_D + cornea->simk.sigma_steep_D) / 2;
-  return (cornea->simk.steep_D + cornea->simk.flat_D) / 2;
-}
-
-/* Power along a meridian is M - C/2 cos 2(angle - axis); an error d of the cross-cylinder turns the
- * axis by d/C radians. */
-static double sigma_axis(const placido_cornea *cornea) {
-  double sigma, cylinder = placido_index_simk_cylinder(cornea, &sigma);
-  double turn = sigma / 2 / cylinder / DEGREE;
-  return turn < UNKNOWN_DEG ? turn : isfinite(turn) ? UNKNOWN_DEG : NAN;
-}
-
-double placido_index_simk_flat_axis(const placido_cornea *cornea, double *sigma) {
-  *sigma = sigma_axis(cornea);
+static double flat_axis(const placido_cornea *cornea) {
   return cornea->simk.flat_axis_deg;
 }
 
-double placido_index_simk_steep_axis(const placido_cornea *cornea, double *sigma) {
-  *sigma = sigma_axis(cornea);
+static double across(const placido_cornea *cornea) {
+  return cornea->simk.across_flat_D;
+}
+
+static double across_axis(const placido_cornea *cornea) {
+  return fmod(cornea->simk.flat_axis_deg + 90, 180);
+}
+
+static double cylinder(const placido_cornea *cornea) {
+  return cornea->simk.across_flat_D - cornea->simk.flat_D;
+}
+
+static double mean(const placido_cornea *cornea) {
+  return (cornea->simk.across_flat_D + cornea->simk.flat_D) / 2;
+}
+
+static double steepest(const placido_cornea *cornea) {
+  return cornea->simk.steep_D;
+}
+
+static double steepest_axis(const placido_cornea *cornea) {
   return cornea->simk.steep_axis_deg;
 }
+
+/* An axis is missing where power is, or where all diameters are alike. */
+static const char *why_no_axis(const placido_cornea *cornea) {
+  return isfinite(cornea->simk.flat_D) ? PLACIDO_REASON_NO_CYLINDER : PLACIDO_REASON_NOT_COVERED;
+}
+
+static const placido_index_row rows[] = {
+    {.name = "simk_flat_D",
+     .unit = "D",
+     .help = "Simulated keratometry, flattest meridian: 337.5 over the mean axial radius at 1.3, "
+             "1.5 and 1.7 mm from the vertex, about the line through it along the axis; both "
+             "semi-meridians. Needs data on half of the diameters.",
+     .at = flat},
+    {.name = "simk_flat_axis_deg",
+     .unit = "deg",
+     .help = "Meridian of simk_flat_D, 0 to 180, from +x (right) towards +y (up).",
+     .period = 180,
+     .range = 180,
+     .at = flat_axis,
+     .reason = why_no_axis},
+    {.name = "simk_steep_D",
+     .unit = "D",
+     .help = "Simulated keratometry of the meridian perpendicular to the flattest, by the same "
+             "rule.",
+     .at = across},
+    {.name = "simk_steep_axis_deg",
+     .unit = "deg",
+     .help = "Meridian of simk_steep_D, perpendicular to the flattest.",
+     .period = 180,
+     .range = 180,
+     .at = across_axis,
+     .reason = why_no_axis},
+    {.name = "simk_cylinder_D",
+     .unit = "D",
+     .help = "Corneal astigmatism: simk_steep_D less simk_flat_D.",
+     .at = cylinder},
+    {.name = "simk_mean_D",
+     .unit = "D",
+     .help = "Mean of simk_flat_D and simk_steep_D.",
+     .at = mean},
+    {.name = "min_k_D",
+     .unit = "D",
+     .help = "MinK: the flattest meridian at any angle. By the rule of simk_flat_D it is the same "
+             "figure; under the TMS's rule it is not.",
+     .at = flat},
+    {.name = "max_k_D",
+     .unit = "D",
+     .help = "The steepest meridian at any angle, measured as simk_flat_D is: SimK1 of the TMS.",
+     .at = steepest},
+    {.name = "max_k_axis_deg",
+     .unit = "deg",
+     .help = "Meridian of max_k_D. On an irregular cornea it is not perpendicular to the flattest.",
+     .period = 180,
+     .range = 180,
+     .at = steepest_axis,
+     .reason = why_no_axis},
+};
+
+const placido_index_group placido_simk_group = {measure, rows, sizeof rows / sizeof rows[0]};

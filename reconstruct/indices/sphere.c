@@ -2,32 +2,32 @@
 #include "reconstruct/maps/sphere.h"
 
 #include "reconstruct/indices/cornea.h"
-#include "reconstruct/maps/kinds.h"
 
 #include <math.h>
 
-#define SHARE_MIN 0.7  /* of the zone that data must support */
-#define MIDDLE_MM 2.67 /* mean distance from the axis of a zone 8 mm wide */
-
-int placido_sphere_radius_find(double *radius_mm, double *sigma_mm, const placido_surface *surface,
-                               const placido_fit *fit, placido_error *err) {
-  *radius_mm = *sigma_mm = NAN;
-  placido_zone zone;
-  int status = placido_zone_new(&zone, surface, PLACIDO_SPHERE_ZONE_MM, err);
-  if (status) {
-    return status;
-  }
-  if (zone.diameter_mm == PLACIDO_SPHERE_ZONE_MM &&
-      zone.count >= SHARE_MIN * (double)zone.sampled) {
-    *radius_mm = placido_sphere_fit(&zone).radius_mm;
-    *sigma_mm = *radius_mm * *radius_mm / PLACIDO_KERATOMETRIC *
-                placido_ring_sigma(surface, fit, MIDDLE_MM);
-  }
-  placido_zone_free(&zone);
-  return PLACIDO_OK;
+static void measure(placido_cornea *cornea) {
+  const placido_zone *zone = &cornea->grid;
+  bool enough = (double)zone->count >= PLACIDO_SHARE_MIN * (double)zone->sampled;
+  cornea->sphere_radius_mm = enough ? placido_sphere_fit(zone).radius_mm : NAN;
 }
 
-double placido_index_sphere_radius(const placido_cornea *cornea, double *sigma) {
-  *sigma = cornea->sphere_sigma_mm;
+static double radius(const placido_cornea *cornea) {
   return cornea->sphere_radius_mm;
 }
+
+static const char *why_none(const placido_cornea *cornea) {
+  (void)cornea;
+  return PLACIDO_REASON_NOT_COVERED; /* it needs no vertex */
+}
+
+static const placido_index_row rows[] = {
+    {.name = "best_fit_sphere_radius_mm",
+     .unit = "mm",
+     .help = "Radius of the sphere fitted to 8 mm about the axis, centre and radius free "
+             "(\"float\"), as the elevation map's reference is, on a grid of 0.2 mm. Needs 70 % of "
+             "the zone.",
+     .at = radius,
+     .reason = why_none},
+};
+
+const placido_index_group placido_sphere_group = {measure, rows, sizeof rows / sizeof rows[0]};

@@ -34,12 +34,24 @@ placido_vertex placido_vertex_find(const placido_surface *surface) {
   return (placido_vertex){NAN, NAN};
 }
 
-double placido_index_vertex_x(const placido_cornea *cornea, double *sigma) {
-  *sigma = NAN;
+static double vertex_x(const placido_cornea *cornea) {
   return cornea->vertex.x_mm;
 }
 
-double placido_index_vertex_y(const placido_cornea *cornea, double *sigma) {
-  *sigma = NAN;
+static double vertex_y(const placido_cornea *cornea) {
   return cornea->vertex.y_mm;
 }
+
+static const placido_index_row rows[] = {
+    {.name = "vertex_x_mm",
+     .unit = "mm",
+     .help = "The corneal vertex, where the cornea faces the instrument squarely (ISO 19980): to "
+             "the right of the axis. Axial powers and zones of the indices are about it.",
+     .at = vertex_x},
+    {.name = "vertex_y_mm",
+     .unit = "mm",
+     .help = "The corneal vertex: upwards of the axis.",
+     .at = vertex_y},
+};
+
+const placido_index_group placido_vertex_group = {NULL, rows, sizeof rows / sizeof rows[0]};

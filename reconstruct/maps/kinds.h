@@ -13,5 +13,13 @@ double placido_map_tangential(const placido_map_point *point);
 double placido_map_mean(const placido_map_point *point);
 double placido_map_gaussian(const placido_map_point *point);
 double placido_map_refractive(const placido_map_point *point);
+double placido_map_elevation_conic(const placido_map_point *point);
+double placido_map_elevation_toric(const placido_map_point *point);
+double placido_map_axial_vertex(const placido_map_point *point);
+double placido_map_tangential_vertex(const placido_map_point *point);
+double placido_map_axial_refractive(const placido_map_point *point);
+double placido_map_instantaneous_refractive(const placido_map_point *point);
+double placido_map_focusing_distance(const placido_map_point *point);
+double placido_map_retinal_distance(const placido_map_point *point);
 
 #endif

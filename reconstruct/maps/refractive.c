@@ -14,7 +14,7 @@
 
 double placido_map_refractive(const placido_map_point *point) {
   const placido_jet *jet = &point->jet;
-  double r = hypot(point->x_mm, point->y_mm);
+  double r = sqrt(point->x_mm * point->x_mm + point->y_mm * point->y_mm);
   if (r < 1e-9) { /* the limit along +x, as for axial curvature */
     return PLACIDO_KERATOMETRIC * jet->sxx;
   }

@@ -6,56 +6,184 @@
 #include "reconstruct/median.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
-#define KERNEL 6        /* half length in samples: 3 standard deviations */
-#define SIGMA_SAMPLES 2 /* 1 px */
+#define KERNEL_MAX 16   /* half length in samples */
+#define SIGMA_SHARE 0.12 /* of the distance between edges: standard deviation of the derivative */
+#define SIGMA_LEAST_PX 0.7
+#define SIGMA_MOST_PX 4.0
 #define SECTORS 24      /* blocks of the reference map around the circle */
-#define RING_EDGES 6      /* edges that a block spans */
+#define RING_EDGES 6    /* edges that a block spans */
 #define SHARE 0.3       /* a candidate has at least this share of its block's usual strength */
+#define USUAL_SHARE 0.25 /* of the edges to expect: as many are stronger than what is usual */
+#define BIN_SHIFT 17    /* bits of a float that a histogram does not tell apart */
+#define BINS (1u << (31 - BIN_SHIFT))
+#define FLOOR_SHARE 0.2 /* of the usual strength of all: the least that a block's may be */
 
-static void derivative(const float *profile, int count, float *out) {
-  float kernel[KERNEL + 1], sum = 0;
-  for (int i = 0; i <= KERNEL; i++) {
-    kernel[i] = (float)i * expf(-(float)(i * i) / (2.0f * SIGMA_SAMPLES * SIGMA_SAMPLES));
-    sum += 2 * (float)i * kernel[i] * (float)PLACIDO_POLAR_STEP_PX;
+/* An extremum. */
+typedef struct candidate {
+  float radius_px, slope, width_px;
+} candidate;
+
+/* The extrema of all meridians, `room` places for each. */
+typedef struct candidates {
+  int meridians;
+  size_t room;
+  size_t *found; /* a meridian */
+  candidate *list;
+} candidates;
+
+/* Gaussian derivative of a profile; 0 where the kernel reaches beyond it. */
+static void derivative(float *out, const float *profile, const placido_meridian *along,
+                       double sigma_px) {
+  double sigma = sigma_px / along->step_px, sum = 0;
+  int reach = (int)fmin(KERNEL_MAX, ceil(3 * sigma)), inner = along->count - 2 * reach;
+  memset(out, 0, (size_t)along->count * sizeof *out);
+  if (inner <= 0) {
+    return;
   }
-  for (int i = 0; i < count; i++) {
-    out[i] = 0;
-    if (i < KERNEL || i >= count - KERNEL) {
-      continue;
+  for (int k = 1; k <= reach; k++) {
+    sum += 2 * k * along->step_px * k * exp(-0.5 * k * k / (sigma * sigma));
+  }
+  for (int k = 1; k <= reach; k++) {
+    float weight = (float)(k * exp(-0.5 * k * k / (sigma * sigma)) / sum);
+    const float *after = profile + reach + k, *before = profile + reach - k;
+    float *here = out + reach;
+    for (int i = 0; i < inner; i++) {
+      here[i] += weight * (after[i] - before[i]);
     }
-    float d = 0;
-    for (int k = 1; k <= KERNEL; k++) {
-      d += kernel[k] * (profile[i + k] - profile[i - k]);
-    }
-    out[i] = isnan(d) ? 0 : d / sum;
   }
 }
 
-/* Appends the extrema of |derivative| of one profile; returns how many. */
-static size_t extrema(const float *d, int count, int meridian, placido_crossing *out) {
+/* Lists the extrema of a derivative: maxima above 0, minima below. The bend of their tops tells
+ * how wide the edge is. */
+static size_t extrema(candidate *out, const float *d, const placido_meridian *along,
+                      double sigma_px) {
   size_t found = 0;
-  for (int i = 1; i < count - 1; i++) {
-    float here = fabsf(d[i]), before = fabsf(d[i - 1]), after = fabsf(d[i + 1]);
-    if (here <= 0 || here < before || here <= after) {
+  float step = (float)along->step_px, start = (float)along->start_px;
+  for (int i = 1; i < along->count - 1; i++) {
+    float before = d[i - 1], here = d[i], after = d[i + 1];
+    bool top = here > 0 && here > before && here >= after;
+    bool bottom = here < 0 && here < before && here <= after;
+    if (!top && !bottom) {
       continue;
     }
-    double bend = (double)before - 2.0 * here + after;
-    double shift = bend < 0 ? 0.5 * ((double)before - after) / bend : 0;
-    out[found++] = (placido_crossing){.meridian = meridian,
-                                      .radius_px = (i + shift) * PLACIDO_POLAR_STEP_PX,
-                                      .slope = d[i],
-                                      .chain = -1,
-                                      .edge = -1};
+    float bend = before - 2 * here + after, shift = 0.5F * (before - after) / bend;
+    float variance = -here * step * step / bend - (float)(sigma_px * sigma_px);
+    float radius = start + ((float)i + shift) * step;
+    if (radius > 0) {
+      out[found++] = (candidate){radius, here, variance > 0.25F ? sqrtf(variance) : 0.5F};
+    }
   }
   return found;
 }
 
-/* The usual strength per block of (sector, ring): were all its edges seen, the strongest
- * quarter of them would reach it; flat eyes show fewer, lashes and lids hide some. Noise makes far
- * more extrema than mires do, so it is the rank from the top that counts. Not less than a fifth of
- * what is usual where mires are to be expected. */
+static int candidates_new(candidates *out, const placido_polar *polar, double sigma_px,
+                          int threads, placido_error *err) {
+  size_t meridians = (size_t)polar->meridians, samples = (size_t)polar->samples;
+  *out = (candidates){.meridians = polar->meridians, .room = samples / 2 + 1};
+  float *slopes = placido_memory_new(meridians * samples, sizeof *slopes, err);
+  out->found = placido_memory_new(meridians, sizeof *out->found, err);
+  out->list = placido_memory_new(meridians * out->room, sizeof *out->list, err);
+  int status = slopes && out->found && out->list ? PLACIDO_OK : PLACIDO_MEMORY;
+  if (!status) {
+#pragma omp parallel for num_threads(threads)
+    for (int m = 0; m < polar->meridians; m++) {
+      size_t row = (size_t)m * samples;
+      derivative(slopes + row, polar->data + row, &polar->along[m], sigma_px);
+      out->found[m] = extrema(out->list + (size_t)m * out->room, slopes + row, &polar->along[m],
+                              sigma_px);
+    }
+  }
+  placido_memory_free(slopes);
+  return status;
+}
+
+static void candidates_free(candidates *all) {
+  placido_memory_free(all->found);
+  placido_memory_free(all->list);
+}
+
+/* The strength that a quarter as many of `count` values reach as there are edges to expect: were
+ * all edges seen, the strongest quarter of them would; flat eyes show fewer, lashes and lids hide
+ * some. Noise makes far more extrema than mires do, so it is the rank from the top that counts. */
+static double usual_strength(double *values, size_t count, double edges) {
+  double share = count ? 1 - USUAL_SHARE * edges / (double)count : 0;
+  return placido_quantile(values, count, fmax(share, 0));
+}
+
+/* The bin of a strength: its exponent and the first bits of its mantissa, so that bins are 1.6 %
+ * wide or less. */
+static size_t bin_of(float strength) {
+  uint32_t bits;
+  memcpy(&bits, &strength, sizeof bits);
+  return bits >> BIN_SHIFT;
+}
+
+/* The least usual strength of a block: a share of what is usual where mires are to be expected,
+ * which a histogram tells. */
+static int floor_of(double *strength, const candidates *all, double spacing_px, double reach_px,
+                    placido_error *err) {
+  size_t *bins = placido_memory_new(BINS, sizeof *bins, err);
+  if (!bins) {
+    return PLACIDO_MEMORY;
+  }
+  for (int m = 0; m < all->meridians; m++) {
+    const candidate *list = all->list + (size_t)m * all->room;
+    for (size_t i = 0; i < all->found[m] && (double)list[i].radius_px < reach_px; i++) {
+      bins[bin_of(fabsf(list[i].slope))]++;
+    }
+  }
+  double wanted = USUAL_SHARE * all->meridians * reach_px / spacing_px, seen = 0;
+  size_t bin = BINS - 1;
+  while (bin > 0 && seen + (double)bins[bin] < wanted) {
+    seen += (double)bins[bin--];
+  }
+  uint32_t bits = (uint32_t)bin << BIN_SHIFT;
+  float usual;
+  memcpy(&usual, &bits, sizeof usual);
+  *strength = FLOOR_SHARE * (double)usual;
+  placido_memory_free(bins);
+  return PLACIDO_OK;
+}
+
+/* Makes crossings of the candidates that no block could refuse. */
+static int crossings_new(placido_crossings *out, const candidates *all, double least,
+                         placido_error *err) {
+  size_t count = 0;
+  for (int pass = 0; pass < 2; pass++) {
+    out->count = 0;
+    for (int m = 0; m < all->meridians; m++) {
+      const candidate *list = all->list + (size_t)m * all->room;
+      for (size_t i = 0; i < all->found[m]; i++) {
+        if (fabs((double)list[i].slope) < least) {
+          continue;
+        }
+        if (pass == 1) {
+          out->list[out->count] = (placido_crossing){.meridian = m,
+                                                     .radius_px = (double)list[i].radius_px,
+                                                     .slope = (double)list[i].slope,
+                                                     .chain = -1,
+                                                     .edge = -1,
+                                                     .width_px = (double)list[i].width_px};
+        }
+        out->count++;
+      }
+    }
+    if (pass == 0) {
+      count = out->count;
+      out->list = placido_memory_new(count, sizeof *out->list, err);
+      out->first = placido_memory_new((size_t)all->meridians + 1, sizeof *out->first, err);
+      if (!out->list || !out->first) {
+        return PLACIDO_MEMORY;
+      }
+    }
+  }
+  return PLACIDO_OK;
+}
+
+/* The usual strength per block of (sector, ring). */
 typedef struct reference {
   double ring_px;
   int rings;
@@ -68,14 +196,8 @@ static size_t block_of(const reference *ref, const placido_crossing *c, int meri
   return (size_t)sector * (size_t)ref->rings + (size_t)(ring < ref->rings ? ring : ref->rings - 1);
 }
 
-/* The strength that a quarter as many of `count` values reach as there are edges to expect. */
-static double usual_strength(double *values, size_t count, double edges) {
-  double share = count ? 1 - 0.25 * edges / (double)count : 0;
-  return placido_quantile(values, count, fmax(share, 0));
-}
-
 static int reference_new(reference *ref, const placido_crossings *all, double spacing_px,
-                         double reach_px, double far_px, placido_error *err) {
+                         double floor_strength, double far_px, placido_error *err) {
   ref->ring_px = RING_EDGES * spacing_px;
   ref->rings = (int)(far_px / ref->ring_px) + 1;
   size_t blocks = (size_t)SECTORS * (size_t)ref->rings;
@@ -84,15 +206,9 @@ static int reference_new(reference *ref, const placido_crossings *all, double sp
   ref->strength = placido_memory_new(blocks, sizeof *ref->strength, err);
   int status = values && starts && ref->strength ? PLACIDO_OK : PLACIDO_MEMORY;
   if (!status) {
-    size_t near = 0;
     for (size_t i = 0; i < all->count; i++) {
       starts[block_of(ref, &all->list[i], all->meridians) + 1]++;
-      if (all->list[i].radius_px < reach_px) {
-        values[near++] = fabs(all->list[i].slope);
-      }
     }
-    double meridians = all->meridians;
-    double floor_strength = 0.2 * usual_strength(values, near, meridians * reach_px / spacing_px);
     for (size_t b = 0; b < blocks; b++) {
       starts[b + 1] += starts[b];
     }
@@ -102,7 +218,7 @@ static int reference_new(reference *ref, const placido_crossings *all, double sp
     }
     for (size_t b = 0, start = 0; b < blocks; start = starts[b++]) {
       double usual = usual_strength(values + start, starts[b] - start,
-                                    meridians / SECTORS * RING_EDGES);
+                                    (double)all->meridians / SECTORS * RING_EDGES);
       ref->strength[b] = usual > floor_strength ? usual : floor_strength;
     }
   }
@@ -112,57 +228,46 @@ static int reference_new(reference *ref, const placido_crossings *all, double sp
 }
 
 /* Keeps what stands out, in order, and notes where each meridian's share begins. */
-static int select_strong(placido_crossings *all, double spacing_px, double reach_px,
-                         double far_px, placido_error *err) {
-  reference ref = {0};
-  int status = reference_new(&ref, all, spacing_px, reach_px, far_px, err);
-  if (!status) {
-    size_t kept = 0;
-    int meridian = 0;
-    for (size_t i = 0; i < all->count; i++) {
-      placido_crossing c = all->list[i];
-      if (fabs(c.slope) >= SHARE * ref.strength[block_of(&ref, &c, all->meridians)]) {
-        while (meridian <= c.meridian) {
-          all->first[meridian++] = kept;
-        }
-        all->list[kept++] = c;
+static void keep_strong(placido_crossings *all, const reference *ref) {
+  size_t kept = 0;
+  int meridian = 0;
+  for (size_t i = 0; i < all->count; i++) {
+    placido_crossing c = all->list[i];
+    if (fabs(c.slope) >= SHARE * ref->strength[block_of(ref, &c, all->meridians)]) {
+      while (meridian <= c.meridian) {
+        all->first[meridian++] = kept;
       }
+      all->list[kept++] = c;
     }
-    while (meridian <= all->meridians) {
-      all->first[meridian++] = kept;
-    }
-    all->count = kept;
   }
-  placido_memory_free(ref.strength);
-  return status;
+  while (meridian <= all->meridians) {
+    all->first[meridian++] = kept;
+  }
+  all->count = kept;
 }
 
 int placido_crossings_find(placido_crossings *out, const placido_polar *polar, double spacing_px,
                            double reach_px, int threads, placido_error *err) {
-  size_t meridians = (size_t)polar->meridians, samples = (size_t)polar->samples;
-  size_t room = samples / 2 + 1;
+  double sigma_px = fmax(SIGMA_LEAST_PX, fmin(SIGMA_MOST_PX, SIGMA_SHARE * spacing_px));
+  double least = 0;
+  candidates all = {0};
+  reference ref = {0};
   *out = (placido_crossings){.meridians = polar->meridians};
-  float *slopes = placido_memory_new(meridians * samples, sizeof *slopes, err);
-  size_t *found = placido_memory_new(meridians, sizeof *found, err);
-  out->first = placido_memory_new(meridians + 1, sizeof *out->first, err);
-  out->list = placido_memory_new(meridians * room, sizeof *out->list, err);
-  int status = slopes && found && out->first && out->list ? PLACIDO_OK : PLACIDO_MEMORY;
+  int status = candidates_new(&all, polar, sigma_px, threads, err);
   if (!status) {
-#pragma omp parallel for num_threads(threads)
-    for (int m = 0; m < polar->meridians; m++) {
-      size_t row = (size_t)m * samples;
-      derivative(polar->data + row, polar->samples, slopes + row);
-      found[m] = extrema(slopes + row, polar->samples, m, out->list + (size_t)m * room);
-    }
-    for (size_t m = 0; m < meridians; m++) {
-      memmove(out->list + out->count, out->list + m * room, found[m] * sizeof *out->list);
-      out->count += found[m];
-    }
-    status = select_strong(out, spacing_px, reach_px,
-                           (double)samples * PLACIDO_POLAR_STEP_PX, err);
+    status = floor_of(&least, &all, spacing_px, reach_px, err);
   }
-  placido_memory_free(slopes);
-  placido_memory_free(found);
+  if (!status) {
+    status = crossings_new(out, &all, SHARE * least, err);
+  }
+  if (!status) {
+    status = reference_new(&ref, out, spacing_px, least, (double)polar->samples, err);
+  }
+  if (!status) {
+    keep_strong(out, &ref);
+  }
+  candidates_free(&all);
+  placido_memory_free(ref.strength);
   if (status) {
     placido_crossings_free(out);
   }

@@ -14,7 +14,10 @@ typedef struct placido_crossing {
   double slope;  /* derivative of the profile along the radius, signed: > 0 turns bright outwards */
   int chain;     /* set by linking; -1: in none */
   int edge;      /* set by numbering; -1: unknown */
-  double height, width_px, sigma_px; /* set by measuring: step, Gaussian blur, standard deviation */
+  /* set by measuring: step, Gaussian blur, standard deviation, and what the light may add to it */
+  double height, width_px, sigma_px, light_px;
+  bool doubtful; /* set by the gate: numbered, but its place may be pulled */
+  bool folded;   /* set by looking for folds: lies where the cornea seems to fold the mires */
 } placido_crossing;
 
 /* All candidates, ordered by meridian, then radius. */
@@ -34,7 +37,7 @@ void placido_crossings_free(placido_crossings *crossings);
 
 /* Measures the numbered candidates: fits a blurred step to the profile about each and moves it to
  * the step's place. What cannot be fitted loses its number. */
-void placido_crossings_measure(placido_crossings *crossings, const placido_polar *polar,
-                               int threads);
+int placido_crossings_measure(placido_crossings *crossings, const placido_polar *polar,
+                              int threads, placido_error *err);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "reconstruct/mires/centre.h"
+#include "reconstruct/mires/confirm.h"
 #include "reconstruct/mires/edges.h"
 #include "reconstruct/mires/expect.h"
 #include "reconstruct/mires/gate.h"
@@ -10,6 +11,7 @@
 #include "reconstruct/mires/number.h"
 #include "reconstruct/mires/plane.h"
 #include "reconstruct/mires/polar.h"
+#include "reconstruct/mires/settle.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -26,6 +28,7 @@ typedef struct yardstick {
 #define ORDINARY_CORNEA_MM 7.8
 /* At least so many are looked at: over wider steps edges lose their way. */
 #define MERIDIANS_LINKED 300
+#define UNMEASURED_PX 0.5 /* standard deviation of what was seen and could not be measured */
 #define FLATTEST 1.6 /* mires reach no further than this times the ordinary reach */
 
 static int yardstick_of(yardstick *out, const placido_instrument *instrument,
@@ -64,11 +67,25 @@ static int by_edge(const void *a, const void *b) {
                                   (x->meridian_deg < y->meridian_deg);
 }
 
+static placido_mire_point point_of(const placido_mires *mires, const placido_crossings *all,
+                                   const placido_crossing *c) {
+  double angle = 2 * M_PI * c->meridian / all->meridians;
+  return (placido_mire_point){.edge = c->edge,
+                              .meridian_deg = 360.0 * c->meridian / all->meridians,
+                              .u_px = mires->centre_u_px + c->radius_px * cos(angle),
+                              .v_px = mires->centre_v_px - c->radius_px * sin(angle),
+                              .sigma_px = c->sigma_px > 0 ? c->sigma_px : UNMEASURED_PX,
+                              .used = !c->doubtful,
+                              .residual_px = NAN,
+                              .folded = c->folded};
+}
+
 /* Copies the numbered crossings of every stride-th meridian out as points. */
 static int collect(placido_mires *mires, const placido_crossings *all, int stride,
                    placido_error *err) {
   mires->points = placido_memory_new(all->count, sizeof *mires->points, err);
-  if (!mires->points) {
+  mires->doubtful = placido_memory_new(all->count, sizeof *mires->doubtful, err);
+  if (!mires->points || !mires->doubtful) {
     return PLACIDO_MEMORY;
   }
   double sum = 0;
@@ -77,21 +94,19 @@ static int collect(placido_mires *mires, const placido_crossings *all, int strid
     if (c->edge < 0 || c->meridian % stride != 0) {
       continue;
     }
-    double angle = 2 * M_PI * c->meridian / all->meridians;
-    mires->points[mires->count++] =
-        (placido_mire_point){.edge = c->edge,
-                             .meridian_deg = 360.0 * c->meridian / all->meridians,
-                             .u_px = mires->centre_u_px + c->radius_px * cos(angle),
-                             .v_px = mires->centre_v_px - c->radius_px * sin(angle),
-                             .sigma_px = c->sigma_px,
-                             .used = true,
-                             .residual_px = NAN};
-    sum += c->height;
+    placido_mire_point point = point_of(mires, all, c);
+    if (c->doubtful) {
+      mires->doubtful[mires->doubtful_count++] = point;
+    } else {
+      mires->points[mires->count++] = point;
+      sum += c->height;
+    }
   }
   qsort(mires->points, mires->count, sizeof *mires->points, by_edge);
+  qsort(mires->doubtful, mires->doubtful_count, sizeof *mires->doubtful, by_edge);
   mires->contrast = mires->count ? sum / (double)mires->count : 0;
-  mires->coverage =
-      (double)mires->count / ((double)mires->edge_count * mires->meridian_count);
+  mires->coverage = (double)(mires->count + mires->doubtful_count) /
+                    ((double)mires->edge_count * mires->meridian_count);
   return PLACIDO_OK;
 }
 
@@ -140,6 +155,28 @@ static int check_enough(const placido_mires *mires, int edges_min, placido_error
   return PLACIDO_OK;
 }
 
+/* Measures the numbered crossings; those that cannot be measured keep their number. */
+static int measure(placido_crossings *all, const placido_polar *polar, int threads,
+                   placido_error *err) {
+  int *numbers = placido_memory_new(all->count, sizeof *numbers, err);
+  if (!numbers) {
+    return PLACIDO_MEMORY;
+  }
+  for (size_t i = 0; i < all->count; i++) {
+    numbers[i] = all->list[i].edge;
+  }
+  int status = placido_crossings_measure(all, polar, threads, err);
+  for (size_t i = 0; i < all->count && !status; i++) {
+    placido_crossing *c = &all->list[i];
+    if (c->edge < 0 && numbers[i] >= 0) {
+      c->edge = numbers[i];
+      c->sigma_px = 0;
+    }
+  }
+  placido_memory_free(numbers);
+  return status;
+}
+
 static int check_frame(const placido_frame *frame, const placido_instrument *instrument,
                        placido_error *err) {
   if (frame->width_px != instrument->width_px || frame->height_px != instrument->height_px) {
@@ -184,20 +221,27 @@ int placido_mires_find(placido_mires *mires, const placido_frame *frame,
       (status = placido_crossings_find(&crossings, &polar, yard.spacing_px, yard.reach_px, threads,
                                        err)) ||
       (status = placido_chains_link(&chains, &crossings, linked / 60, err)) ||
-      (status = placido_chains_number(&chains, &crossings, instrument, yard.expected_px, err))) {
+      (status = placido_chains_number(&chains, &crossings, instrument, yard.expected_px, err)) ||
+      (status = placido_crossings_settle(&crossings, &chains, instrument->edge_count,
+                                         instrument->first_band_bright, yard.expected_px, err))) {
     goto done;
   }
   mires->stray = stray_share(&crossings);
-  placido_crossings_measure(&crossings, &polar, threads);
+  if ((status = measure(&crossings, &polar, threads, err))) {
+    goto done;
+  }
   mires->centre_u_px = centre[0];
   mires->centre_v_px = centre[1];
   if ((status = placido_crossings_gate(&crossings, instrument->edge_count, err)) ||
+      (status = placido_crossings_confirm(&crossings, instrument->edge_count, yard.expected_px,
+                                          err)) ||
       (status = collect(mires, &crossings, stride, err)) ||
       (status = check_enough(mires, edges_min, err))) {
     goto done;
   }
-  if (mires->coverage < 0.5) {
-    placido_notes_add(notes, "only %.0f %% of the mires could be measured", 100 * mires->coverage);
+  double measured = (double)mires->count / ((double)mires->edge_count * mires->meridian_count);
+  if (measured < 0.5) {
+    placido_notes_add(notes, "only %.0f %% of the mires could be measured", 100 * measured);
   }
 done:
   placido_image_free(&plane);
@@ -212,5 +256,6 @@ done:
 
 void placido_mires_free(placido_mires *mires) {
   placido_memory_free(mires->points);
+  placido_memory_free(mires->doubtful);
   *mires = (placido_mires){0};
 }

@@ -1,35 +1,53 @@
 /* Frame to grey plane; colour planes compete by the energy of their unclipped gradients. */
 #include "reconstruct/mires/plane.h"
 
-#include <math.h>
+#include <stdbool.h>
 
-static double sample(const placido_frame *frame, int x, int y, int channel) {
+static float sample(const placido_frame *frame, int x, int y, int channel) {
   const uint8_t *row = frame->data + (size_t)y * frame->stride_bytes;
-  switch (frame->format) {
-  case PLACIDO_MONO16:
-    return ((const uint16_t *)(const void *)row)[x] / (double)((1u << frame->bits) - 1);
-  case PLACIDO_RGB8:
-    return row[3 * x + channel] / 255.0;
-  default:
-    return row[x] / 255.0;
-  }
+  return (float)row[3 * x + channel] / 255;
 }
 
-/* Sum of squared differences over 2 px along u and v where no sample is clipped, on every third
- * pixel of every third row. */
+/* Sum of squared differences over 2 px along u and v where no sample is clipped, on every fourth
+ * row. */
 static double contrast(const placido_frame *frame, int channel) {
   double sum = 0;
-  for (int y = 2; y < frame->height_px; y += 3) {
-    for (int x = 2; x < frame->width_px; x += 3) {
-      double here = sample(frame, x, y, channel);
-      if (here < 0.99) {
-        double across = here - sample(frame, x - 2, y, channel);
-        double down = here - sample(frame, x, y - 2, channel);
-        sum += across * across + down * down;
+  for (int y = 2; y < frame->height_px; y += 4) {
+    for (int x = 2; x < frame->width_px; x++) {
+      float here = sample(frame, x, y, channel);
+      if (here < 0.99F) {
+        float across = here - sample(frame, x - 2, y, channel);
+        float down = here - sample(frame, x, y - 2, channel);
+        sum += (double)(across * across + down * down);
       }
     }
   }
   return sum;
+}
+
+static int best_channel(const placido_frame *frame) {
+  int channel = 0;
+  double best = -1;
+  for (int c = 0; c < 3; c++) {
+    double here = contrast(frame, c);
+    if (here > best) {
+      best = here;
+      channel = c;
+    }
+  }
+  return channel;
+}
+
+static void copy_bytes(float *out, const uint8_t *in, int count, int pitch, float scale) {
+  for (int x = 0; x < count; x++) {
+    out[x] = (float)in[x * pitch] * scale;
+  }
+}
+
+static void copy_words(float *out, const uint16_t *in, int count, float scale) {
+  for (int x = 0; x < count; x++) {
+    out[x] = (float)in[x] * scale;
+  }
 }
 
 int placido_mires_plane(placido_image *plane, const placido_frame *frame, placido_error *err) {
@@ -37,21 +55,19 @@ int placido_mires_plane(placido_image *plane, const placido_frame *frame, placid
   if (status) {
     return status;
   }
-  int channel = 0;
-  if (frame->format == PLACIDO_RGB8) {
-    double best = -1;
-    for (int c = 0; c < 3; c++) {
-      double here = contrast(frame, c);
-      if (here > best) {
-        best = here;
-        channel = c;
-      }
-    }
-  }
+  bool wide = frame->format == PLACIDO_MONO16;
+  int pitch = frame->format == PLACIDO_RGB8 ? 3 : 1;
+  int channel = pitch == 3 ? best_channel(frame) : 0;
+  float scale = wide ? 1.0F / (float)((1u << frame->bits) - 1) : 1.0F / 255;
   for (int y = 0; y < frame->height_px; y++) {
-    float *out = plane->data + (size_t)y * frame->width_px;
-    for (int x = 0; x < frame->width_px; x++) {
-      out[x] = (float)sample(frame, x, y, channel);
+    float *out = plane->data + (size_t)y * (size_t)frame->width_px;
+    const uint8_t *row = frame->data + (size_t)y * frame->stride_bytes;
+    if (wide) {
+      copy_words(out, (const uint16_t *)(const void *)row, frame->width_px, scale);
+    } else if (pitch == 1) {
+      copy_bytes(out, row, frame->width_px, 1, scale);
+    } else {
+      copy_bytes(out, row + channel, frame->width_px, 3, scale);
     }
   }
   return PLACIDO_OK;

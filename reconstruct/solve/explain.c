@@ -121,24 +121,24 @@ static double subtract(double *residual_px, const placido_refinement *r,
   return before > 0 ? fmin(1, after / before) : 1;
 }
 
-int placido_noise_scale(double *scale, const placido_refinement *r, const placido_mires *mires,
-                        placido_moves *moves, placido_error *err) {
+int placido_residuals_explain(const placido_refinement *r, const placido_mires *mires,
+                              placido_moves *moves, placido_error *err) {
   for (size_t i = 0; i < r->count; i++) {
     r->work[i] = r->samples[i].residual_px;
   }
-  *scale = placido_noise_inflation(r->samples, r->work, r->count, mires);
   if (!moves) {
     return PLACIDO_OK;
   }
+  double scale = placido_noise_inflation(r->samples, r->work, r->count, mires);
   struct equations e;
   int status = equations_new(&e, moves->modes, err);
   if (!status) {
     let_surface_answer(moves, r);
     fill(&e, r, moves);
     for (int pass = 0; pass < PASSES; pass++) {
-      solve(&e, *scale);
+      solve(&e, scale);
       double share = subtract(r->work, r, moves, e.amplitude);
-      *scale = share * placido_noise_inflation(r->samples, r->work, r->count, mires);
+      scale = share * placido_noise_inflation(r->samples, r->work, r->count, mires);
     }
   }
   equations_free(&e);

@@ -6,17 +6,22 @@
 #include "reconstruct/maps/kinds.h"
 #include "reconstruct/median.h"
 #include "reconstruct/solve/conic.h"
+#include "reconstruct/solve/distance.h"
 #include "reconstruct/solve/explain.h"
+#include "reconstruct/solve/fold.h"
 #include "reconstruct/solve/mask.h"
 #include "reconstruct/solve/noise.h"
+#include "reconstruct/solve/numbering.h"
 #include "reconstruct/solve/outliers.h"
 #include "reconstruct/solve/refine.h"
 #include "reconstruct/solve/result.h"
+#include "reconstruct/solve/warm.h"
 
 #include <math.h>
 #include <string.h>
 
 #define POINTS_MIN 200
+#define BASE_POINTS 1000 /* about so many tell the conicoid */
 #define MARGIN_MM 0.6   /* of spline beyond the outermost point */
 #define RADIUS_MAX_MM 7
 /* A point this far from the conicoid says nothing of how far the data reach. */
@@ -33,12 +38,22 @@
  * square, far less than the hundreds of unknowns scatter by. */
 #define SETTLED 2e-4
 #define SETTLED_ROUGHLY 1e-2
+#define SETTLED_TO_CUT 0.1 /* what is left is a small part of an outlier's distance */
+#define POINTS_PLENTY 4.0  /* a coefficient: what these tell is good enough to cut by */
 
 /* How fine the knots must be is explored on every third meridian, coarse to fine. */
 #define EXPLORE_STRIDE 3
+#define SHIFTED 0.6     /* of the spread, which another numbering of all mires must stay below */
+#define RENUMBERINGS 3  /* at most */
+#define RENUMBER 6.0    /* spreads within which a point agrees with an edge */
 #define GAIN 0.85       /* finer knots must bring the spread below this share of what it was */
 #define MISFIT 1.3      /* spread over rough noise at which finer knots are tried */
 #define MISFIT_FAR 2.5  /* and at which the next finer ones would not do: they about halve it */
+
+#define DISTANCE_KNOWN 0.5 /* of the given one's standard deviation: the mires tell it better */
+#define DISTANCE_FAR 4.0   /* standard deviations beyond which the two contradict each other */
+#define DISTANCE_CLOSE 0.1 /* of one: a step as small as this is the last */
+#define DISTANCE_STEPS 4
 
 /* Mean power of a whole cornea, keratometric: from a radius of 13.5 mm to one of 4.2 mm. */
 #define POWER_LEAST_D 25
@@ -56,10 +71,14 @@ typedef struct progress {
   placido_mires *mires;
   placido_sample *samples;
   size_t count;
-  placido_part conic;
-  double vertex_z_mm, axis_z_mm, reach_mm;
+  placido_bundle rays; /* of all samples */
+  placido_conicoid base;
+  double axis_z_mm, axis_z_sigma_mm, reach_mm;
+  bool axis_solved;
+  double coarse_px, misfit; /* spread with the coarsest knots, and that over the rough noise */
+  int shift;          /* that all numbers ask for */
   double geometry_px; /* of the instrument's uncertainty, what no smooth surface follows */
-  placido_surface *base;
+  bool starts_anew, continues; /* whether a start that was given is passed over; was of use */
   placido_refinement refinement;
   const placido_instrument *instrument;
   const placido_fit_options *options;
@@ -76,8 +95,9 @@ static int modes_of(const placido_fit_options *options) {
 }
 
 /* The conicoid is found from every stride-th sample: it has four unknowns. */
-static int fit_base(progress *p, placido_error *err) {
-  size_t stride = p->count / 2500 + 1, few = 0;
+static int find_base(progress *p, placido_error *err) {
+  size_t stride = p->count / BASE_POINTS + 1, few = 0;
+  placido_bundle rays = {0};
   placido_sample *some = placido_memory_new(p->count / stride + 1, sizeof *some, err);
   if (!some) {
     return PLACIDO_MEMORY;
@@ -85,26 +105,33 @@ static int fit_base(progress *p, placido_error *err) {
   for (size_t i = 0; i < p->count; i += stride) {
     some[few++] = p->samples[i];
   }
-  int status = placido_conic_fit(&p->conic, &p->vertex_z_mm, some, few, p->axis_z_mm, p->threads,
-                                 err);
-  placido_memory_free(some);
+  int status = placido_bundle_new(&rays, some, few, err);
   if (!status) {
-    status = placido_conic_surface(&p->base, &p->conic, p->vertex_z_mm, err);
+    status = placido_conic_fit(&p->base, &rays, p->axis_z_mm, p->threads, err);
   }
+  placido_bundle_free(&rays);
+  placido_memory_free(some);
+  return status;
+}
+
+static int fit_base(progress *p, placido_error *err) {
+  int status = find_base(p, err);
   if (status) {
     return status;
   }
-  placido_shape shape = {.base = p->base};
+  placido_target target = {.base = p->base};
+  placido_bundle_trace(&p->rays, &target, p->threads);
+  placido_bundle_tell(&p->rays);
   p->reach_mm = 0;
   for (size_t i = 0; i < p->count; i++) {
-    placido_sample *s = &p->samples[i];
-    placido_sample_trace(s, &shape);
+    const placido_sample *s = &p->samples[i];
     if (fabs(s->residual_px) < FAR_PX) {
       p->reach_mm = fmax(p->reach_mm, fmax(fabs(s->hit.x), fabs(s->hit.y)));
     }
   }
   int modes = modes_of(p->options);
   if (modes > 0) {
+    placido_bundle_tell_all(&p->rays, &target, p->threads);
     p->geometry_px = placido_geometry_rough(p->samples, p->count, p->mires, p->instrument,
                                             p->options->geometry, modes);
   }
@@ -117,13 +144,20 @@ static int fit_base(progress *p, placido_error *err) {
   return PLACIDO_OK;
 }
 
-/* A fresh refinement of some samples on a grid. */
+static double smoothing_of(const placido_fit_options *options) {
+  return options && options->smoothing > 0 ? options->smoothing : 1e3;
+}
+
+static int steps_of(const placido_fit_options *options) {
+  return options && options->steps_max > 0 ? options->steps_max : 40;
+}
+
+/* A fresh refinement of some rays on a grid. */
 static int refinement_of(placido_refinement *r, const progress *p, const placido_grid *grid,
-                         placido_sample *samples, size_t count, placido_error *err) {
+                         placido_bundle *rays, placido_error *err) {
   const placido_fit_options *o = p->options;
-  return placido_refinement_new(r, p->base, grid, samples, count,
-                                o && o->smoothing > 0 ? o->smoothing : 1e3,
-                                o && o->steps_max > 0 ? o->steps_max : 40, p->threads, err);
+  return placido_refinement_new(r, &p->base, grid, rays,
+                                smoothing_of(o), steps_of(o), p->threads, err);
 }
 
 /* The samples on every third meridian: enough to choose knots by, at a third of the cost. */
@@ -141,17 +175,16 @@ static size_t thin_out(placido_sample *some, const progress *p) {
 /* Chooses the grid: knots as fine as the samples ask for, or as the caller asked. Finer knots that
  * do not help are given up again: then it is the instrument's geometry that does not fit, not the
  * spline. Leaves the chosen grid's refinement, where the one of all samples starts. */
-static int explore(placido_refinement *coarse, placido_grid *grid, const progress *p,
-                   placido_sample *some, placido_error *err) {
+static int explore(placido_refinement *coarse, placido_grid *grid, progress *p,
+                   placido_bundle *rays, placido_error *err) {
   double asked = p->options ? p->options->knot_mm : 0;
-  size_t few = thin_out(some, p);
   placido_refinement finer = {0};
   placido_grid finer_grid;
   int choices = asked > 0 ? 1 : KNOT_CHOICES, status = PLACIDO_OK;
   for (int choice = 0; choice < choices && !status; choice++) {
     finer_grid = placido_grid_covering(p->reach_mm + MARGIN_MM,
                                        asked > 0 ? asked : KNOTS_MM[choice]);
-    status = refinement_of(&finer, p, &finer_grid, some, few, err);
+    status = refinement_of(&finer, p, &finer_grid, rays, err);
     if (!status) {
       status = placido_refinement_run(&finer, SETTLED_ROUGHLY, err);
     }
@@ -163,8 +196,13 @@ static int explore(placido_refinement *coarse, placido_grid *grid, const progres
     *grid = finer_grid;
     coarse->shape.grid = grid;
     finer = (placido_refinement){0};
-    double rough = placido_noise_rough(some, few, p->mires, EXPLORE_STRIDE, coarse->work);
+    double rough = placido_noise_rough(rays->samples, rays->count, p->mires, EXPLORE_STRIDE,
+                                       coarse->work);
     rough = hypot(rough, p->geometry_px); /* finer knots would follow the edges' errors */
+    if (choice == 0) {
+      p->coarse_px = coarse->sigma_px;
+      p->misfit = coarse->sigma_px / rough;
+    }
     if (coarse->sigma_px < MISFIT * rough) {
       break;
     }
@@ -174,22 +212,106 @@ static int explore(placido_refinement *coarse, placido_grid *grid, const progres
   return status;
 }
 
+/* From the previous frame's fit, where there is one that is near enough: else `coarse` stays empty. */
+static int continue_start(placido_refinement *coarse, placido_grid *grid, progress *p,
+                          placido_bundle *rays, placido_error *err) {
+  const placido_fit_options *o = p->options;
+  if (!o || !o->start || p->starts_anew ||
+      (o->knot_mm > 0 && o->knot_mm != o->start->grid.knot_mm)) {
+    return PLACIDO_OK;
+  }
+  const placido_warm_options warm = {.axis_z_mm = p->axis_z_mm,
+                                     .margin_mm = MARGIN_MM,
+                                     .smoothing = smoothing_of(o),
+                                     .settled = SETTLED_ROUGHLY,
+                                     .steps_max = steps_of(o),
+                                     .threads = p->threads};
+  int status = placido_warm_start(coarse, &p->base, grid, o->start, rays, &warm, err);
+  p->continues = !status && coarse->coefficients;
+  return status;
+}
+
 static int fit_spline(progress *p, placido_grid *grid, placido_error *err) {
   placido_refinement coarse = {0};
+  placido_bundle rays = {0};
   placido_sample *some = placido_memory_new(p->count, sizeof *some, err);
-  int status = some ? explore(&coarse, grid, p, some, err) : PLACIDO_MEMORY;
+  int status = some ? PLACIDO_OK : PLACIDO_MEMORY;
   if (!status) {
-    status = refinement_of(&p->refinement, p, grid, p->samples, p->count, err);
+    status = placido_bundle_new(&rays, some, thin_out(some, p), err);
+  }
+  if (!status) {
+    status = continue_start(&coarse, grid, p, &rays, err);
+  }
+  if (!status && !coarse.coefficients && !(status = fit_base(p, err))) {
+    status = explore(&coarse, grid, p, &rays, err);
+  }
+  if (!status) {
+    status = refinement_of(&p->refinement, p, grid, &p->rays, err);
   }
   if (!status) {
     memcpy(p->refinement.coefficients, coarse.coefficients,
            (size_t)grid->side * (size_t)grid->side * sizeof *coarse.coefficients);
     p->refinement.steps = coarse.steps;
-    status = placido_refinement_run(&p->refinement, SETTLED_ROUGHLY, err);
+    if ((double)rays.count < POINTS_PLENTY * (double)grid->side * grid->side) {
+      status = placido_refinement_run(&p->refinement, SETTLED_TO_CUT, err);
+    }
+  }
+  if (!status) {
+    placido_refinement_trace(&p->refinement);
   }
   placido_refinement_free(&coarse);
+  placido_bundle_free(&rays);
   placido_memory_free(some);
   return status;
+}
+
+/* The spread that the coarsest knots leave if all numbers are `shift` larger; INFINITY where there
+ * is no such cornea. */
+static int try_shift(double *spread_px, const progress *p, int shift, placido_error *err) {
+  placido_mires mires;
+  progress q = {.mires = &mires,
+                .axis_z_mm = p->axis_z_mm,
+                .instrument = p->instrument,
+                .options = p->options,
+                .threads = p->threads};
+  placido_grid grid;
+  *spread_px = INFINITY;
+  int status = placido_numbering_shifted(&mires, p->mires, shift, EXPLORE_STRIDE, err);
+  q.count = status ? 0 : mires.count;
+  if (status || q.count < POINTS_MIN / EXPLORE_STRIDE ||
+      (status = placido_samples_new(&q.samples, &mires, p->instrument, p->axis_z_mm, err)) ||
+      (status = placido_bundle_new(&q.rays, q.samples, q.count, err)) ||
+      (status = fit_base(&q, err))) {
+    goto done;
+  }
+  grid = placido_grid_covering(q.reach_mm + MARGIN_MM, KNOTS_MM[0]);
+  status = refinement_of(&q.refinement, &q, &grid, &q.rays, err);
+  if (!status && !(status = placido_refinement_run(&q.refinement, SETTLED_ROUGHLY, err))) {
+    *spread_px = q.refinement.sigma_px;
+  }
+done:
+  placido_refinement_free(&q.refinement);
+  placido_bundle_free(&q.rays);
+  placido_memory_free(q.samples);
+  placido_mires_free(&mires);
+  return status == PLACIDO_QUALITY ? PLACIDO_OK : status;
+}
+
+/* Whether all mires together are misnumbered by one: then another numbering leaves far less. */
+static int find_shift(progress *p, placido_error *err) {
+  double best = SHIFTED * p->coarse_px, spread;
+  placido_error ignored = {0};
+  for (int shift = -2; shift <= 2; shift += 4) {
+    int status = try_shift(&spread, p, shift, &ignored);
+    if (status) {
+      return placido_error_set(err, status, "%s", ignored.text);
+    }
+    if (spread < best) {
+      best = spread;
+      p->shift = shift;
+    }
+  }
+  return PLACIDO_OK;
 }
 
 /* Cuts the outliers and fits again until that changes nothing, at most twice. */
@@ -199,6 +321,15 @@ static int fit_robust(progress *p, placido_grid *grid, placido_notes *notes,
   size_t cut = 0;
   bool changed = true;
   int status = fit_spline(p, grid, err);
+  if (!status && p->misfit > MISFIT && (status = find_shift(p, err)) == PLACIDO_OK && p->shift) {
+    return PLACIDO_OK;
+  }
+  if (!status) {
+    status = placido_noise_find(p->samples, p->count, p->mires, err);
+  }
+  if (!status) {
+    placido_refinement_trace(r);
+  }
   for (int pass = 0; pass < 2 && changed && !status; pass++) {
     status = placido_outliers_cut(p->samples, p->count, r->work, &cut, &changed, err);
     if (!status && (double)cut > CUT_MOST * (double)p->count) {
@@ -228,8 +359,27 @@ static int fit_robust(progress *p, placido_grid *grid, placido_notes *notes,
   return status;
 }
 
+/* Where data support the surface; folds are left out. */
+static int cover(placido_coverage *coverage, unsigned char **mask, double *radius_mm,
+                 const progress *p, placido_notes *notes, placido_error *err) {
+  placido_place *folds = placido_memory_new(p->count, sizeof *folds, err);
+  int status = folds ? placido_mask_new(coverage, mask, radius_mm, p->samples, p->count, err)
+                     : PLACIDO_MEMORY;
+  size_t folded = status ? 0 : placido_fold_find(folds, p->samples, p->count, p->mires);
+  if (folded) {
+    double share = placido_fold_mask(coverage, *mask, folds, folded);
+    placido_notes_add(notes,
+                      "the cornea folds the mires about x = %.1f, y = %.1f mm: %.0f %% of the map "
+                      "are left out",
+                      folds[folded / 2].x_mm, folds[folded / 2].y_mm, 100 * share);
+  }
+  placido_memory_free(folds);
+  return status;
+}
+
 /* Knots and coefficients as a part of the surface file. */
-static int build_surface(placido_fit *fit, const progress *p, placido_error *err) {
+static int build_surface(placido_fit *fit, progress *p, placido_notes *notes,
+                         placido_error *err) {
   const placido_grid *g = &fit->grid;
   placido_coverage coverage;
   unsigned char *mask = NULL;
@@ -237,7 +387,7 @@ static int build_surface(placido_fit *fit, const progress *p, placido_error *err
   double *places = placido_memory_new(knots, sizeof *places, err);
   int status = places ? PLACIDO_OK : PLACIDO_MEMORY;
   if (!status) {
-    status = placido_mask_new(&coverage, &mask, &fit->summary.radius_mm, p->samples, p->count, err);
+    status = cover(&coverage, &mask, &fit->summary.radius_mm, p, notes, err);
   }
   if (!status) {
     for (size_t i = 0; i < knots; i++) {
@@ -248,12 +398,16 @@ static int build_surface(placido_fit *fit, const progress *p, placido_error *err
     for (size_t i = 0; i < n; i++) {
       p->refinement.coefficients[i] = -p->refinement.coefficients[i];
     }
-    placido_part parts[2] = {p->conic,
+    placido_part parts[2] = {placido_conic_part(&p->base),
                              {.kind = PLACIDO_PART_BSPLINE,
                               .as.bspline = {PLACIDO_SPLINE_DEGREE, g->side, g->side, places,
                                              places, p->refinement.coefficients}}};
-    status = placido_surface_new(&fit->surface, p->vertex_z_mm, fit->summary.radius_mm, parts, 2,
+    status = placido_surface_new(&fit->surface, p->base.apex_z_mm, fit->summary.radius_mm, parts, 2,
                                  &coverage, err);
+    fit->base = p->base;
+    fit->axis_z_mm = p->axis_z_mm;
+    fit->sags_mm = p->refinement.coefficients;
+    p->refinement.coefficients = NULL;
   }
   placido_memory_free(places);
   placido_memory_free(mask);
@@ -297,12 +451,15 @@ static void summarise(placido_fit *fit, const progress *p) {
     const placido_sample *s = &p->samples[i];
     placido_mire_point *point = &p->mires->points[s->point];
     point->used = s->used && !isnan(s->residual_px);
-    point->residual_px = s->residual_px;
+    point->residual_px = s->residual_px * s->noise;
     if (point->used) {
-      sum += s->residual_px * s->residual_px;
+      sum += point->residual_px * point->residual_px;
       fit->summary.points_used++;
     }
   }
+  fit->summary.axis_z_mm = p->axis_z_mm;
+  fit->summary.axis_z_sigma_mm = p->axis_z_sigma_mm;
+  fit->summary.axis_z_solved = p->axis_solved;
   fit->summary.points = p->count;
   fit->summary.rms_px = sqrt(sum / (double)fit->summary.points_used);
   fit->summary.sigma_px = p->refinement.sigma_px;
@@ -311,12 +468,77 @@ static void summarise(placido_fit *fit, const progress *p) {
   fit->summary.condition = 1 / placido_normal_rcond(fit->normal);
 }
 
+/* One look at what the mires say of the distance. */
+static int ask_distance(placido_distance *distance, double *by_distance, progress *p,
+                        placido_error *err) {
+  placido_refinement *r = &p->refinement;
+  int modes = modes_of(p->options);
+  placido_moves moves = {0};
+  placido_refinement_tell(r);
+  int status = placido_distance_answer(by_distance, r->normal, r->shape.grid, err);
+  if (!status) {
+    *distance = placido_distance_find(r, p->mires, by_distance, NULL);
+  }
+  if (!status && modes > 0 && distance->sigma_mm < DISTANCE_KNOWN * p->axis_z_sigma_mm) {
+    status = placido_moves_new(&moves, r, p->mires, p->instrument, p->options->geometry, modes, err);
+    if (!status) {
+      *distance = placido_distance_find(r, p->mires, by_distance, &moves);
+    }
+    placido_moves_free(&moves);
+  }
+  return status;
+}
+
+/* Where the mires tell the distance better than whoever gave it, solves for it: the mean of both,
+ * weighted. It cannot run off: far from what was given, what was given holds, with a warning. */
+static int solve_distance(progress *p, placido_notes *notes, placido_error *err) {
+  placido_refinement *r = &p->refinement;
+  const double given = p->axis_z_mm, prior = p->axis_z_sigma_mm * p->axis_z_sigma_mm;
+  size_t n = (size_t)r->shape.grid->side * (size_t)r->shape.grid->side;
+  double *by_distance = prior > 0 ? placido_memory_new(n, sizeof *by_distance, err) : NULL;
+  if (!by_distance) {
+    return prior > 0 ? PLACIDO_MEMORY : PLACIDO_OK;
+  }
+  int status = PLACIDO_OK;
+  for (int pass = 0; pass < DISTANCE_STEPS && !status; pass++) {
+    placido_distance seen;
+    status = ask_distance(&seen, by_distance, p, err);
+    if (status || !(seen.sigma_mm < DISTANCE_KNOWN * sqrt(prior))) {
+      break;
+    }
+    double variance = seen.sigma_mm * seen.sigma_mm, off = p->axis_z_mm + seen.step_mm - given;
+    if (fabs(off) > DISTANCE_FAR * sqrt(prior + variance)) {
+      placido_notes_add(notes, "the mires put the cornea %.3f mm from the distance that was given, "
+                               "far beyond its standard deviation of %.3f mm: the instrument's "
+                               "geometry or the distance is wrong", off, sqrt(prior));
+      break;
+    }
+    double move = given + off * prior / (prior + variance) - p->axis_z_mm;
+    placido_distance_move(r, by_distance, move);
+    p->base = r->shape.base;
+    p->axis_z_mm += move;
+    p->axis_z_sigma_mm = sqrt(prior * variance / (prior + variance));
+    p->axis_solved = true;
+    status = placido_refinement_run(r, SETTLED, err);
+    if (fabs(move) < DISTANCE_CLOSE * seen.sigma_mm) {
+      break;
+    }
+  }
+  if (!status && p->axis_solved) {
+    placido_notes_add(notes, "the mires tell the distance themselves: z on the axis %.4f mm, "
+                             "standard deviation %.4f mm", p->axis_z_mm, p->axis_z_sigma_mm);
+  }
+  placido_memory_free(by_distance);
+  return status;
+}
+
 /* Hands the normal equations over to the fit and takes its error bars from them. */
 static int find_errors(placido_fit *fit, progress *p, placido_error *err) {
   const placido_fit_options *o = p->options;
   const placido_refinement *r = &p->refinement;
   placido_moves moves = {0};
   int status = PLACIDO_OK, modes = modes_of(o);
+  placido_refinement_tell(&p->refinement);
   if (modes > 0) {
     status = placido_moves_new(&moves, r, p->mires, p->instrument, o->geometry, modes, err);
     if (!status) {
@@ -324,8 +546,13 @@ static int find_errors(placido_fit *fit, progress *p, placido_error *err) {
     }
   }
   if (!status) {
-    status = placido_noise_scale(&fit->variance_scale, r, p->mires, fit->geometry ? &moves : NULL,
-                                 err);
+    status = placido_residuals_explain(r, p->mires, fit->geometry ? &moves : NULL, err);
+  }
+  if (!status) {
+    status = placido_normal_inverse(r->normal, &fit->inverse, err);
+  }
+  if (!status) {
+    status = placido_scatter_find(&fit->scatter, r, p->mires, r->work, fit->inverse, err);
   }
   if (!status) {
     fit->modes = moves.coefficients;
@@ -333,7 +560,7 @@ static int find_errors(placido_fit *fit, progress *p, placido_error *err) {
     moves.coefficients = NULL;
   }
   placido_moves_free(&moves);
-  fit->axis_z_sigma_mm = o ? o->axis_z_sigma_mm : 0;
+  fit->axis_z_sigma_mm = p->axis_z_sigma_mm;
   fit->normal = p->refinement.normal;
   p->refinement.normal = NULL;
   return status ? status : placido_fit_covariance(fit, err);
@@ -355,6 +582,51 @@ static int check_options(const placido_fit_options *options, const placido_instr
   return PLACIDO_OK;
 }
 
+static void forget(progress *p) {
+  placido_refinement_free(&p->refinement);
+  placido_bundle_free(&p->rays);
+  placido_memory_free(p->samples);
+  p->samples = NULL;
+  p->shift = 0;
+}
+
+/* From the points to a surface that agrees with their numbers, as far as these go. */
+static int fit_points(progress *p, placido_grid *grid, placido_notes *notes, placido_error *err) {
+  size_t doubtful;
+  p->count = p->mires->count;
+  int status = placido_samples_new(&p->samples, p->mires, p->instrument, p->axis_z_mm, err);
+  if (!status) {
+    status = placido_numbering_doubt(p->samples, p->count, p->mires, &doubtful, err);
+  }
+  if (!status && !(status = placido_bundle_new(&p->rays, p->samples, p->count, err))) {
+    status = fit_robust(p, grid, notes, err);
+  }
+  return status;
+}
+
+/* Corrects numbers that the surface contradicts. `changed`: it did. */
+static int renumber(progress *p, bool *changed, placido_notes *notes, placido_error *err) {
+  size_t moved = 0;
+  int status = PLACIDO_OK;
+  if (p->shift) {
+    placido_numbering_shift(p->mires, p->shift);
+    placido_notes_add(notes, "all mires were numbered one too far %s: corrected, since only so does "
+                             "a smooth cornea fit",
+                      p->shift < 0 ? "out" : "in");
+  } else {
+    placido_refinement_tell(&p->refinement);
+    status = placido_numbering_settle(p->mires, p->samples, p->count, p->instrument,
+                                      RENUMBER * p->refinement.sigma_px, &moved, err);
+    if (moved) {
+      placido_notes_add(notes, "%zu edge points were numbered anew: they lie where the surface "
+                               "mirrors another mire",
+                        moved);
+    }
+  }
+  *changed = p->shift || moved;
+  return status;
+}
+
 int placido_fit_new(placido_fit **fit, placido_mires *mires,
                     const placido_instrument *instrument, const placido_fit_options *options,
                     placido_notes *notes, placido_error *err) {
@@ -362,6 +634,7 @@ int placido_fit_new(placido_fit **fit, placido_mires *mires,
   progress p = {.mires = mires,
                 .count = mires->count,
                 .axis_z_mm = options ? options->axis_z_mm : 0,
+                .axis_z_sigma_mm = options ? options->axis_z_sigma_mm : 0,
                 .instrument = instrument,
                 .options = options,
                 .threads = options && options->threads > 0 ? options->threads : 1};
@@ -374,12 +647,22 @@ int placido_fit_new(placido_fit **fit, placido_mires *mires,
   if (!status && !f) {
     status = PLACIDO_MEMORY;
   }
-  if (status || (status = placido_samples_new(&p.samples, mires, instrument, p.axis_z_mm, err)) ||
-      (status = fit_base(&p, err)) || (status = fit_robust(&p, &f->grid, notes, err))) {
-    goto done;
+  bool changed = true;
+  for (int pass = 0; pass <= RENUMBERINGS && changed && !status; pass++) {
+    forget(&p);
+    status = fit_points(&p, &f->grid, notes, err);
+    if (status == PLACIDO_QUALITY && p.continues) {
+      forget(&p);
+      p.starts_anew = true; /* the start may have led astray */
+      status = fit_points(&p, &f->grid, notes, err);
+    }
+    changed = false;
+    if (!status && pass < RENUMBERINGS) {
+      status = renumber(&p, &changed, notes, err);
+    }
   }
-  if ((status = find_errors(f, &p, err)) || (status = build_surface(f, &p, err)) ||
-      (status = check_power(f->surface, err))) {
+  if (status || (status = solve_distance(&p, notes, err)) || (status = find_errors(f, &p, err)) || (status = build_surface(f, &p, notes, err)) ||
+      (status = placido_fit_level_find(f, err)) || (status = check_power(f->surface, err))) {
     goto done;
   }
   summarise(f, &p);
@@ -387,8 +670,6 @@ int placido_fit_new(placido_fit **fit, placido_mires *mires,
   f = NULL;
 done:
   placido_fit_free(f);
-  placido_refinement_free(&p.refinement);
-  placido_surface_free(p.base);
-  placido_memory_free(p.samples);
+  forget(&p);
   return status;
 }

@@ -93,20 +93,16 @@ static int reach_of(double *reach_mm, const placido_sample *samples, size_t coun
   return PLACIDO_OK;
 }
 
-int placido_mask_new(placido_coverage *coverage, unsigned char **mask, double *radius_mm,
-                     const placido_sample *samples, size_t count, placido_error *err) {
-  double reach, far = 0;
+int placido_mask_close(placido_coverage *coverage, unsigned char **mask, double *radius_mm,
+                       const placido_place *places, size_t count, double reach_mm,
+                       placido_error *err) {
+  double far = 0;
+  int status = PLACIDO_OK;
   *mask = NULL;
-  int status = reach_of(&reach, samples, count, err);
-  if (status) {
-    return status;
-  }
   for (size_t i = 0; i < count; i++) {
-    if (samples[i].used) {
-      far = fmax(far, fmax(fabs(samples[i].hit.x), fabs(samples[i].hit.y)));
-    }
+    far = fmax(far, fmax(fabs(places[i].x_mm), fabs(places[i].y_mm)));
   }
-  int half = (int)ceil((far + reach) / PITCH_MM) + 2, size = 2 * half + 1;
+  int half = (int)ceil((far + reach_mm) / PITCH_MM) + 2, size = 2 * half + 1;
   size_t cells = (size_t)size * (size_t)size;
   double *distance = placido_memory_new(cells, sizeof *distance, err);
   double *line = placido_memory_new((size_t)size, sizeof *line, err);
@@ -120,13 +116,11 @@ int placido_mask_new(placido_coverage *coverage, unsigned char **mask, double *r
     goto done;
   }
   for (size_t i = 0; i < count; i++) {
-    if (samples[i].used) {
-      size_t column = (size_t)(lrint(samples[i].hit.x / PITCH_MM) + half);
-      size_t row = (size_t)(lrint(samples[i].hit.y / PITCH_MM) + half);
-      (*mask)[row * (size_t)size + column] = 1;
-    }
+    size_t column = (size_t)(lrint(places[i].x_mm / PITCH_MM) + half);
+    size_t row = (size_t)(lrint(places[i].y_mm / PITCH_MM) + half);
+    (*mask)[row * (size_t)size + column] = 1;
   }
-  double limit = reach / PITCH_MM * (reach / PITCH_MM);
+  double limit = reach_mm / PITCH_MM * (reach_mm / PITCH_MM);
   transform(*mask, 1, size, distance, line, v, z);
   for (size_t i = 0; i < cells; i++) {
     (*mask)[i] = distance[i] <= limit;
@@ -153,5 +147,28 @@ done:
   placido_memory_free(line);
   placido_memory_free(z);
   placido_memory_free(v);
+  return status;
+}
+
+int placido_mask_new(placido_coverage *coverage, unsigned char **mask, double *radius_mm,
+                     const placido_sample *samples, size_t count, placido_error *err) {
+  double reach;
+  size_t used = 0;
+  *mask = NULL;
+  int status = reach_of(&reach, samples, count, err);
+  if (status) {
+    return status;
+  }
+  placido_place *places = placido_memory_new(count, sizeof *places, err);
+  if (!places) {
+    return PLACIDO_MEMORY;
+  }
+  for (size_t i = 0; i < count; i++) {
+    if (samples[i].used) {
+      places[used++] = (placido_place){samples[i].hit.x, samples[i].hit.y};
+    }
+  }
+  status = placido_mask_close(coverage, mask, radius_mm, places, used, reach, err);
+  placido_memory_free(places);
   return status;
 }

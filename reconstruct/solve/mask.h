@@ -12,4 +12,14 @@
 int placido_mask_new(placido_coverage *coverage, unsigned char **mask, double *radius_mm,
                      const placido_sample *samples, size_t count, placido_error *err);
 
+/* A place on the cornea. */
+typedef struct placido_place {
+  double x_mm, y_mm;
+} placido_place;
+
+/* The same of `count` places (at least one, within 20 mm of the axis) and a given reach. */
+int placido_mask_close(placido_coverage *coverage, unsigned char **mask, double *radius_mm,
+                       const placido_place *places, size_t count, double reach_mm,
+                       placido_error *err);
+
 #endif

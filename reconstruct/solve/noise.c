@@ -1,11 +1,17 @@
 /* Differences and autocorrelation of the residuals along the mires. */
 #include "reconstruct/solve/noise.h"
 
+#include "base/memory.h"
 #include "reconstruct/median.h"
 
 #include <math.h>
 
 #define LAG_MAX 30
+#define BLOCK_EDGES 4     /* share one figure, from as many differences again on either side */
+#define BLOCK_MERIDIANS 1 /* on either side */
+#define NOISE_LEAST 0.5
+#define NOISE_MOST 8.0
+#define DIFFERENCES_MIN 8 /* fewer tell nothing */
 
 /* Whether sample j lies `lag` meridians after sample i on the same edge, both of use. */
 static bool neighbours(const placido_sample *samples, size_t i, size_t j, int lag,
@@ -61,4 +67,104 @@ double placido_noise_inflation(const placido_sample *samples, const double *resi
     factor += 2 * correlation;
   }
   return factor;
+}
+
+/* The residuals by edge and meridian; NaN where there is none. */
+typedef struct table {
+  int edges, meridians;
+  double *residual_px, *noise; /* edges × meridians; blocks of edges × meridians */
+} table;
+
+static int meridian_of(const placido_mires *mires, const placido_sample *sample) {
+  double turn = mires->points[sample->point].meridian_deg / 360;
+  return (int)(lrint(turn * mires->meridian_count) % mires->meridian_count);
+}
+
+static void fill(table *t, const placido_sample *samples, size_t count,
+                 const placido_mires *mires) {
+  for (int i = 0; i < t->edges * t->meridians; i++) {
+    t->residual_px[i] = NAN;
+  }
+  for (size_t i = 0; i < count; i++) {
+    const placido_sample *s = &samples[i];
+    if (s->used) {
+      int edge = mires->points[s->point].edge;
+      t->residual_px[edge * t->meridians + meridian_of(mires, s)] = s->residual_px * s->noise;
+    }
+  }
+}
+
+/* The robust standard deviation about one block; NaN where too little is there. */
+static double noise_about(const table *t, int block, int meridian) {
+  double differences[3 * BLOCK_EDGES * (2 * BLOCK_MERIDIANS + 1)];
+  size_t n = 0;
+  int first = (block - 1) * BLOCK_EDGES, last = first + 3 * BLOCK_EDGES;
+  first = first > 0 ? first : 0;
+  last = last < t->edges - 1 ? last : t->edges - 1;
+  for (int m = meridian - BLOCK_MERIDIANS; m <= meridian + BLOCK_MERIDIANS; m++) {
+    const double *column = t->residual_px + (m + t->meridians) % t->meridians;
+    for (int k = first; k < last; k++) {
+      double d = column[(k + 1) * t->meridians] - column[k * t->meridians];
+      if (!isnan(d)) {
+        differences[n++] = fabs(d);
+      }
+    }
+  }
+  return n >= DIFFERENCES_MIN ? 1.4826 * placido_quantile(differences, n, 0.5) / M_SQRT2
+                              : (double)NAN;
+}
+
+static double median_noise(const placido_sample *samples, size_t count, double *work) {
+  size_t n = 0;
+  for (size_t i = 0; i < count; i++) {
+    if (samples[i].used) {
+      work[n++] = samples[i].noise;
+    }
+  }
+  return placido_quantile(work, n, 0.5);
+}
+
+/* Hands the table's figures out to the samples, relative to the usual one. */
+static void hand_out(placido_sample *samples, size_t count, const placido_mires *mires,
+                     const table *t, double *work) {
+  size_t n = 0;
+  for (int i = 0; i < (t->edges + BLOCK_EDGES - 1) / BLOCK_EDGES * t->meridians; i++) {
+    if (!isnan(t->noise[i])) {
+      work[n++] = t->noise[i];
+    }
+  }
+  double usual = placido_quantile(work, n, 0.5);
+  if (!(usual > 0)) {
+    return;
+  }
+  for (size_t i = 0; i < count; i++) {
+    int block = mires->points[samples[i].point].edge / BLOCK_EDGES;
+    double noise = t->noise[block * t->meridians + meridian_of(mires, &samples[i])] / usual;
+    samples[i].noise = isnan(noise) ? 1 : fmax(NOISE_LEAST, fmin(NOISE_MOST, noise));
+  }
+  double middle = median_noise(samples, count, work);
+  for (size_t i = 0; i < count; i++) {
+    samples[i].noise /= middle;
+  }
+}
+
+int placido_noise_find(placido_sample *samples, size_t count, const placido_mires *mires,
+                       placido_error *err) {
+  table t = {.edges = mires->edge_count, .meridians = mires->meridian_count};
+  size_t places = (size_t)t.edges * (size_t)t.meridians;
+  t.residual_px = placido_memory_new(places, sizeof *t.residual_px, err);
+  t.noise = placido_memory_new(places, sizeof *t.noise, err);
+  double *work = placido_memory_new(places > count ? places : count, sizeof *work, err);
+  int status = t.residual_px && t.noise && work ? PLACIDO_OK : PLACIDO_MEMORY;
+  if (!status) {
+    fill(&t, samples, count, mires);
+    for (int i = 0; i < (t.edges + BLOCK_EDGES - 1) / BLOCK_EDGES * t.meridians; i++) {
+      t.noise[i] = noise_about(&t, i / t.meridians, i % t.meridians);
+    }
+    hand_out(samples, count, mires, &t, work);
+  }
+  placido_memory_free(t.residual_px);
+  placido_memory_free(t.noise);
+  placido_memory_free(work);
+  return status;
 }

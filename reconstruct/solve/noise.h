@@ -16,4 +16,10 @@ double placido_noise_rough(const placido_sample *samples, size_t count,
 double placido_noise_inflation(const placido_sample *samples, const double *residual_px,
                                size_t count, const placido_mires *mires);
 
+/* Sets every sample's `noise` from how unlike the residuals of neighbouring edges are about it, so
+ * that what the surface cannot follow counts little: half of the samples have at least 1, the
+ * extremes are 0.5 and 8. The samples' residuals are out of date then. */
+int placido_noise_find(placido_sample *samples, size_t count, const placido_mires *mires,
+                       placido_error *err);
+
 #endif

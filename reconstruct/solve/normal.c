@@ -1,56 +1,72 @@
 /* Normal equations on the pattern of a tensor-product spline: two coefficients meet where they are
- * at most `degree` apart both ways. The lower triangle is stored by columns. */
+ * at most `degree` apart both ways. What meets a coefficient is stored as a stencil of rows below
+ * it, the same for every coefficient; the factor is a band's, since the order row by row has one. */
 #include "reconstruct/solve/normal.h"
 
 #include "base/memory.h"
+#include "reconstruct/solve/band.h"
 
-#include <cholmod.h>
-#include <stdlib.h>
+#include <math.h>
+#include <string.h>
 
 #define REACH PLACIDO_SPLINE_DEGREE
 #define WIDE (2 * REACH + 1)
+#define STENCIL ((REACH + 1) * WIDE)
+#define ORDER PLACIDO_SPLINE_ORDER
+#define CELL PLACIDO_SPLINE_CELL
 
 struct placido_normal {
   placido_grid grid;
-  int count;    /* unknowns */
-  int *slot;    /* count * (REACH + 1) * WIDE: index of the entry (dj, di) below a column, or -1 */
+  int count; /* unknowns */
+  double *matrix, *penalty; /* count stencils: the sum so far, and the penalty of weight 1 */
   double *right;
-  cholmod_common common;
-  cholmod_sparse *matrix;
-  cholmod_factor *factor;
+  placido_band factor;
 };
 
-static int slot_of(const placido_normal *n, int column, int dj, int di) {
-  return n->slot[((long)column * (REACH + 1) + dj) * WIDE + di + REACH];
+/* Where the entry of a column's coefficient and the one (dj, di) from it stands. Of its own row
+ * (dj = 0) only what lies ahead counts. */
+static size_t slot_of(int column, int dj, int di) {
+  return (size_t)column * STENCIL + (size_t)(dj * WIDE + di + REACH);
 }
 
-/* Lays out the pattern: below column (row j, column i) stand (j, i..), then rows j+1 .. j+REACH. */
-static void lay_out(placido_normal *n, int *starts, int *rows, int *entries) {
-  int side = n->grid.side, at = 0;
-  for (int j = 0; j < side; j++) {
-    for (int i = 0; i < side; i++) {
-      int column = j * side + i;
-      if (starts) {
-        starts[column] = at;
-      }
-      for (int dj = 0; dj <= REACH; dj++) {
-        for (int di = dj == 0 ? 0 : -REACH; di <= REACH; di++) {
-          if (j + dj >= side || i + di < 0 || i + di >= side) {
-            continue;
-          }
-          if (starts) {
-            rows[at] = (j + dj) * side + i + di;
-            n->slot[((long)column * (REACH + 1) + dj) * WIDE + di + REACH] = at;
-          }
-          at++;
-        }
+/* One difference operator of third order applied at one place: its coefficients on a 4×4 patch. */
+static void patch_of(int a, double patch[16]) {
+  static const double difference[4][4] = {
+      {1, 0, 0, 0}, {-1, 1, 0, 0}, {1, -2, 1, 0}, {-1, 3, -3, 1}};
+  for (int k = 0; k < 16; k++) {
+    patch[k] = difference[a][k % 4] * difference[3 - a][k / 4];
+  }
+}
+
+static const double binomial[4] = {1, 3, 3, 1};
+
+/* The four operators at every place where they fit, with what each counts; the sum of their squares
+ * is the penalty. `visit` gets the patch and the coefficient at its corner. */
+typedef void visitor(void *context, const double patch[16], double weight, int corner);
+
+static void for_each_difference(const placido_grid *grid, visitor *visit, void *context) {
+  double knot = grid->knot_mm, scale = 1 / (knot * knot * knot * knot);
+  for (int a = 0; a < 4; a++) {
+    double patch[16];
+    patch_of(a, patch);
+    for (int row = 0; row + 3 - a < grid->side; row++) {
+      for (int column = 0; column + a < grid->side; column++) {
+        visit(context, patch, scale * binomial[a], row * grid->side + column);
       }
     }
   }
-  if (starts) {
-    starts[n->count] = at;
+}
+
+static void add_penalty(void *context, const double patch[16], double weight, int corner) {
+  placido_normal *n = context;
+  for (int c = 0; c < 16; c++) {
+    int at = corner + c / 4 * n->grid.side + c % 4;
+    for (int r = c; r < 16 && patch[c] != 0; r++) {
+      if (patch[r] != 0) {
+        n->penalty[slot_of(at, r / 4 - c / 4, r % 4 - c % 4)] += weight * patch[c] * patch[r];
+      }
+    }
   }
-  *entries = at;
 }
 
 int placido_normal_new(placido_normal **normal, const placido_grid *grid, placido_error *err) {
@@ -60,28 +76,17 @@ int placido_normal_new(placido_normal **normal, const placido_grid *grid, placid
   }
   n->grid = *grid;
   n->count = grid->side * grid->side;
-  cholmod_start(&n->common);
-  n->common.print = 0;
-  n->common.supernodal = CHOLMOD_SIMPLICIAL; /* the selected inverse reads its columns */
-  n->common.final_ll = 1;
-  n->common.nmethods = 1; /* one ordering, so that results do not depend on what is installed */
-  n->common.method[0].ordering = CHOLMOD_AMD;
-  n->common.postorder = 1;
-  int entries;
-  lay_out(n, NULL, NULL, &entries);
-  n->slot = placido_memory_new((size_t)n->count * (REACH + 1) * WIDE, sizeof *n->slot, err);
-  n->right = placido_memory_new((size_t)n->count, sizeof *n->right, err);
-  n->matrix = cholmod_allocate_sparse((size_t)n->count, (size_t)n->count, (size_t)entries, 1, 1,
-                                      -1, CHOLMOD_REAL, &n->common);
-  if (n->slot && n->right && n->matrix) {
-    lay_out(n, n->matrix->p, n->matrix->i, &entries);
-    n->factor = cholmod_analyze(n->matrix, &n->common);
-  }
-  if (!n->factor) {
+  size_t count = (size_t)n->count;
+  n->matrix = placido_memory_new(count, STENCIL * sizeof *n->matrix, err);
+  n->penalty = placido_memory_new(count, STENCIL * sizeof *n->penalty, err);
+  n->right = placido_memory_new(count, sizeof *n->right, err);
+  int status = placido_band_new(&n->factor, n->count, REACH * grid->side + REACH + 1, err);
+  if (status || !n->matrix || !n->penalty || !n->right) {
     placido_normal_free(n);
     *normal = NULL;
-    return placido_error_set(err, PLACIDO_MEMORY, "out of memory for the normal equations");
+    return PLACIDO_MEMORY;
   }
+  for_each_difference(grid, add_penalty, n);
   return PLACIDO_OK;
 }
 
@@ -89,159 +94,119 @@ void placido_normal_free(placido_normal *normal) {
   if (!normal) {
     return;
   }
-  cholmod_free_factor(&normal->factor, &normal->common);
-  cholmod_free_sparse(&normal->matrix, &normal->common);
-  cholmod_finish(&normal->common);
-  placido_memory_free(normal->slot);
+  placido_memory_free(normal->matrix);
+  placido_memory_free(normal->penalty);
   placido_memory_free(normal->right);
+  placido_band_free(&normal->factor);
   placido_memory_free(normal);
 }
 
 void placido_normal_clear(placido_normal *normal) {
-  double *x = normal->matrix->x;
-  const int *p = normal->matrix->p;
-  for (int i = 0; i < p[normal->count]; i++) {
-    x[i] = 0;
-  }
-  for (int i = 0; i < normal->count; i++) {
-    normal->right[i] = 0;
-  }
+  size_t count = (size_t)normal->count;
+  memset(normal->matrix, 0, count * STENCIL * sizeof *normal->matrix);
+  memset(normal->right, 0, count * sizeof *normal->right);
 }
 
 void placido_normal_add(placido_normal *normal, int column, int row, const double *block,
                         const double *right) {
-  double *x = normal->matrix->x;
-  for (int c = 0; c < PLACIDO_SPLINE_CELL; c++) {
-    int cj = c / PLACIDO_SPLINE_ORDER, ci = c % PLACIDO_SPLINE_ORDER;
-    int at = (row + cj) * normal->grid.side + column + ci;
+  for (int c = 0; c < CELL; c++) {
+    int cj = c / ORDER, ci = c % ORDER, at = (row + cj) * normal->grid.side + column + ci;
     normal->right[at] += right[c];
-    for (int r = c; r < PLACIDO_SPLINE_CELL; r++) {
-      int dj = r / PLACIDO_SPLINE_ORDER - cj, di = r % PLACIDO_SPLINE_ORDER - ci;
-      x[slot_of(normal, at, dj, di)] += block[r * PLACIDO_SPLINE_CELL + c];
+    for (int rj = cj; rj < ORDER; rj++) {
+      double *to = normal->matrix + slot_of(at, rj - cj, -ci);
+      const double *from = block + rj * ORDER * CELL + c;
+      for (int ri = rj == cj ? ci : 0; ri < ORDER; ri++) {
+        to[ri] += from[ri * CELL];
+      }
     }
   }
 }
 
-/* One difference operator of third order applied at one place: its coefficients on a 4×4 patch. */
-static void patch_of(int a, double patch[4][4]) {
-  static const double difference[4][4] = {
-      {1, 0, 0, 0}, {-1, 1, 0, 0}, {1, -2, 1, 0}, {-1, 3, -3, 1}};
-  for (int j = 0; j < 4; j++) {
-    for (int i = 0; i < 4; i++) {
-      patch[j][i] = difference[a][i] * difference[3 - a][j];
-    }
-  }
-}
-
-/* The operator's value at one place of the coefficients. */
-static double difference_at(const placido_normal *n, const double *coefficients, int column,
-                            int row, double patch[4][4]) {
+/* An operator's value at one place of the coefficients. */
+static double difference_at(const double *coefficients, int side, const double patch[16],
+                            int corner) {
   double value = 0;
   for (int k = 0; k < 16; k++) {
-    if (patch[k / 4][k % 4] != 0) {
-      value += patch[k / 4][k % 4] * coefficients[(row + k / 4) * n->grid.side + column + k % 4];
+    if (patch[k] != 0) {
+      value += patch[k] * coefficients[corner + k / 4 * side + k % 4];
     }
   }
   return value;
 }
 
-static void smooth_at(placido_normal *n, const double *coefficients, int column, int row,
-                      double weight, double patch[4][4]) {
-  double *x = n->matrix->x;
-  int side = n->grid.side;
-  double value = difference_at(n, coefficients, column, row, patch);
-  for (int c = 0; c < 16; c++) {
-    double pc = patch[c / 4][c % 4];
-    if (pc == 0) {
-      continue;
-    }
-    int at = (row + c / 4) * side + column + c % 4;
-    n->right[at] -= weight * pc * value;
-    for (int r = c; r < 16; r++) {
-      x[slot_of(n, at, r / 4 - c / 4, r % 4 - c % 4)] += weight * pc * patch[r / 4][r % 4];
+/* What is summed up over the operators' places. */
+struct sum {
+  const double *coefficients;
+  int side;
+  double weight, roughness;
+  double *right;
+};
+
+static void add_gradient(void *context, const double patch[16], double weight, int corner) {
+  struct sum *sum = context;
+  double pull = sum->weight * weight *
+                difference_at(sum->coefficients, sum->side, patch, corner);
+  for (int k = 0; k < 16; k++) {
+    if (patch[k] != 0) {
+      sum->right[corner + k / 4 * sum->side + k % 4] -= pull * patch[k];
     }
   }
 }
 
-static const double binomial[4] = {1, 3, 3, 1};
+static void add_square(void *context, const double patch[16], double weight, int corner) {
+  struct sum *sum = context;
+  double value = difference_at(sum->coefficients, sum->side, patch, corner);
+  sum->roughness += weight * value * value;
+}
 
 void placido_normal_smooth(placido_normal *normal, double weight, const double *coefficients) {
-  double knot = normal->grid.knot_mm, scale = weight / (knot * knot * knot * knot);
-  int side = normal->grid.side;
-  for (int a = 0; a < 4; a++) {
-    double patch[4][4];
-    patch_of(a, patch);
-    for (int row = 0; row + 3 - a < side; row++) {
-      for (int column = 0; column + a < side; column++) {
-        smooth_at(normal, coefficients, column, row, scale * binomial[a], patch);
-      }
-    }
+  struct sum sum = {coefficients, normal->grid.side, weight, 0, normal->right};
+  size_t entries = (size_t)normal->count * STENCIL;
+  for (size_t i = 0; i < entries; i++) {
+    normal->matrix[i] += weight * normal->penalty[i];
   }
+  for_each_difference(&normal->grid, add_gradient, &sum);
 }
 
 double placido_normal_roughness(const placido_normal *normal, const double *coefficients) {
-  double knot = normal->grid.knot_mm, sum = 0;
-  int side = normal->grid.side;
-  for (int a = 0; a < 4; a++) {
-    double patch[4][4];
-    patch_of(a, patch);
-    for (int row = 0; row + 3 - a < side; row++) {
-      for (int column = 0; column + a < side; column++) {
-        double value = difference_at(normal, coefficients, column, row, patch);
-        sum += binomial[a] * value * value;
+  struct sum sum = {coefficients, normal->grid.side, 1, 0, NULL};
+  for_each_difference(&normal->grid, add_square, &sum);
+  return sum.roughness;
+}
+
+/* The stencil's rows within the grid, between the matrix or an inverse and a band: which part of a
+ * column's row dj there is. */
+static void row_limits(const placido_grid *grid, int column, int dj, int *from, int *to) {
+  int i = column % grid->side;
+  *from = dj == 0 ? 0 : -(i < REACH ? i : REACH);
+  *to = grid->side - 1 - i < REACH ? grid->side - 1 - i : REACH;
+}
+
+static int rows_below(const placido_grid *grid, int column) {
+  int left = grid->side - 1 - column / grid->side;
+  return left < REACH ? left : REACH;
+}
+
+static void fill_band(placido_normal *n, double damping) {
+  memset(n->factor.entries, 0,
+         (size_t)n->factor.padded * n->factor.stride * sizeof *n->factor.entries);
+  for (int column = 0; column < n->count; column++) {
+    double *to = placido_band_column(&n->factor, column);
+    for (int dj = 0; dj <= rows_below(&n->grid, column); dj++) {
+      int first, last;
+      row_limits(&n->grid, column, dj, &first, &last);
+      for (int di = first; di <= last; di++) {
+        to[dj * n->grid.side + di] = n->matrix[slot_of(column, dj, di)];
       }
     }
+    to[0] *= 1 + damping;
   }
-  return sum / (knot * knot * knot * knot);
-}
-
-static void scale_diagonal(placido_normal *n, double factor) {
-  double *x = n->matrix->x;
-  const int *p = n->matrix->p;
-  for (int column = 0; column < n->count; column++) {
-    x[p[column]] *= factor;
-  }
-}
-
-/* One of CHOLMOD's solutions with the last factor, for `count` columns. */
-static int solve_columns(placido_normal *normal, int system, const double *right, int count,
-                         double *x, placido_error *err) {
-  size_t numbers = (size_t)normal->count * (size_t)count;
-  cholmod_dense b = {.nrow = (size_t)normal->count,
-                     .ncol = (size_t)count,
-                     .nzmax = numbers,
-                     .d = (size_t)normal->count,
-                     .x = (void *)right,
-                     .xtype = CHOLMOD_REAL,
-                     .dtype = CHOLMOD_DOUBLE};
-  cholmod_dense *solution = cholmod_solve(system, normal->factor, &b, &normal->common);
-  if (!solution) {
-    return placido_error_set(err, PLACIDO_MEMORY, "out of memory for the normal equations");
-  }
-  for (size_t i = 0; i < numbers; i++) {
-    x[i] = ((double *)solution->x)[i];
-  }
-  cholmod_free_dense(&solution, &normal->common);
-  return PLACIDO_OK;
-}
-
-int placido_normal_solve_more(placido_normal *normal, const double *right, int count, double *x,
-                              placido_error *err) {
-  return solve_columns(normal, CHOLMOD_A, right, count, x, err);
-}
-
-int placido_normal_draw(placido_normal *normal, const double *z, int count, double *x,
-                        placido_error *err) {
-  int status = solve_columns(normal, CHOLMOD_Lt, z, count, x, err);
-  return status ? status : solve_columns(normal, CHOLMOD_Pt, x, count, x, err);
 }
 
 int placido_normal_solve(placido_normal *normal, double damping, double *step,
                          placido_error *err) {
-  scale_diagonal(normal, 1 + damping);
-  int done = cholmod_factorize(normal->matrix, normal->factor, &normal->common);
-  scale_diagonal(normal, 1 / (1 + damping));
-  if (!done || normal->common.status == CHOLMOD_NOT_POSDEF) {
+  fill_band(normal, damping);
+  if (!placido_band_factorise(&normal->factor)) {
     return placido_error_set(err, PLACIDO_QUALITY,
                              "the mires do not determine the surface: the normal equations are "
                              "singular");
@@ -249,122 +214,67 @@ int placido_normal_solve(placido_normal *normal, double damping, double *step,
   return placido_normal_solve_more(normal, normal->right, 1, step, err);
 }
 
-double placido_normal_rcond(placido_normal *normal) {
-  return cholmod_rcond(normal->factor, &normal->common);
+int placido_normal_solve_more(const placido_normal *normal, const double *right, int count,
+                              double *x, placido_error *err) {
+  memmove(x, right, (size_t)normal->count * (size_t)count * sizeof *x);
+  return placido_band_solve(&normal->factor, x, count, err);
 }
 
-/* The selected inverse on the factor's own pattern, column by column from the last: with A = L Lᵀ
- * and D = diag(L), Z(i,j) = -Σ_k Z(i,k) L(k,j) / L(j,j), Z(j,j) = 1/L(j,j)² - Σ_k Z(j,k) L(k,j) /
- * L(j,j). */
-static void select_inverse(const cholmod_factor *f, double *z, double *work, int *position) {
-  const int *p = f->p, *rows = f->i, *lengths = f->nz;
-  const double *l = f->x;
-  int n = (int)f->n;
-  for (int i = 0; i < n; i++) {
-    position[i] = -1;
-  }
-  for (int j = n - 1; j >= 0; j--) {
-    int start = p[j], count = lengths[j];
-    double pivot = l[start];
-    for (int a = 1; a < count; a++) {
-      position[rows[start + a]] = a;
-      work[a] = 0;
-    }
-    for (int a = 1; a < count; a++) {
-      /* what is left of this column's pattern is part of column k's: the pattern of a factor is a
-       * clique. Where it is all of it, the two run side by side. */
-      int k = rows[start + a], rest = count - a - 1;
-      const double *zk = z + p[k] + 1;
-      double lkj = l[start + a] / pivot, sum = z[p[k]] * l[start + a];
-      if (lengths[k] - 1 == rest) {
-        double *below = work + a + 1;
-        const double *lower = l + start + a + 1;
-        for (int b = 0; b < rest; b++) {
-          below[b] -= zk[b] * lkj;
-          sum += zk[b] * lower[b];
-        }
-      } else {
-        const int *rows_k = rows + p[k] + 1;
-        for (int b = 0, left = rest; left > 0; b++) {
-          int at = position[rows_k[b]];
-          if (at > 0) {
-            work[at] -= zk[b] * lkj;
-            sum += zk[b] * l[start + at];
-            left--;
-          }
-        }
-      }
-      work[a] -= sum / pivot;
-    }
-    double diagonal = 1 / (pivot * pivot);
-    for (int a = 1; a < count; a++) {
-      z[start + a] = work[a];
-      diagonal -= work[a] * l[start + a] / pivot;
-      position[rows[start + a]] = -1;
-    }
-    z[start] = diagonal;
-  }
+int placido_normal_draw(const placido_normal *normal, const double *z, int count, double *x,
+                        placido_error *err) {
+  memmove(x, z, (size_t)normal->count * (size_t)count * sizeof *x);
+  return placido_band_solve_transposed(&normal->factor, x, count, err);
 }
 
-/* Brings the entries from the factor's order back to the matrix's slots. */
-static void unpermute(const placido_normal *n, const double *z, int *inverse_order,
-                      double *inverse) {
-  const int *perm = n->factor->Perm, *fp = n->factor->p, *fi = n->factor->i, *fn = n->factor->nz;
-  const int *p = n->matrix->p, *rows = n->matrix->i;
-  for (int i = 0; i < n->count; i++) {
-    inverse_order[perm[i]] = i;
+double placido_normal_rcond(const placido_normal *normal) {
+  double least = INFINITY, most = 0;
+  for (int j = 0; j < normal->count; j++) {
+    double pivot = *placido_band_column(&normal->factor, j);
+    least = fmin(least, pivot);
+    most = fmax(most, pivot);
   }
-  for (int column = 0; column < n->count; column++) {
-    for (int e = p[column]; e < p[column + 1]; e++) {
-      int a = inverse_order[column], b = inverse_order[rows[e]];
-      int low = a < b ? a : b, high = a < b ? b : a;
-      int from = fp[low], to = fp[low] + fn[low] - 1;
-      while (from < to) {
-        int middle = (from + to) / 2;
-        if (fi[middle] < high) {
-          from = middle + 1;
-        } else {
-          to = middle;
-        }
-      }
-      inverse[e] = z[from];
-    }
-  }
+  return least / most * (least / most);
 }
 
-int placido_normal_inverse(placido_normal *normal, double **inverse, placido_error *err) {
-  size_t count = (size_t)normal->count;
-  size_t entries = (size_t)((const int *)normal->matrix->p)[normal->count];
-  *inverse = placido_memory_new(entries, sizeof **inverse, err);
-  double *z = placido_memory_new(normal->factor->nzmax, sizeof *z, err);
-  double *work = placido_memory_new(count, sizeof *work, err);
-  int *position = placido_memory_new(count, sizeof *position, err);
-  int status = *inverse && z && work && position ? PLACIDO_OK : PLACIDO_MEMORY;
-  if (!status) {
-    select_inverse(normal->factor, z, work, position);
-    unpermute(normal, z, position, *inverse);
-  } else {
-    placido_memory_free(*inverse);
+int placido_normal_inverse(const placido_normal *normal, double **inverse, placido_error *err) {
+  placido_band band;
+  double *z = *inverse = placido_memory_new((size_t)normal->count, STENCIL * sizeof *z, err);
+  int status = z ? placido_band_inverse(&band, &normal->factor, err) : PLACIDO_MEMORY;
+  if (status) {
+    placido_memory_free(z);
     *inverse = NULL;
+    return status;
   }
-  placido_memory_free(z);
-  placido_memory_free(work);
-  placido_memory_free(position);
-  return status;
+  for (int column = 0; column < normal->count; column++) {
+    const double *from = placido_band_column(&band, column);
+    for (int dj = 0; dj <= rows_below(&normal->grid, column); dj++) {
+      int first, last;
+      row_limits(&normal->grid, column, dj, &first, &last);
+      for (int di = first; di <= last; di++) {
+        z[slot_of(column, dj, di)] = from[dj * normal->grid.side + di];
+      }
+    }
+  }
+  placido_band_free(&band);
+  return PLACIDO_OK;
 }
 
 int placido_normal_outer(const placido_normal *normal, const double *x, int count,
                          double **outer, placido_error *err) {
-  const int *p = normal->matrix->p, *rows = normal->matrix->i;
-  double *sum = *outer = placido_memory_new((size_t)p[normal->count], sizeof *sum, err);
+  double *sum = *outer = placido_memory_new((size_t)normal->count, STENCIL * sizeof *sum, err);
   if (!sum) {
     return PLACIDO_MEMORY;
   }
   for (int k = 0; k < count; k++) {
     const double *v = x + (size_t)k * (size_t)normal->count;
     for (int column = 0; column < normal->count; column++) {
-      for (int e = p[column]; e < p[column + 1]; e++) {
-        sum[e] += v[column] * v[rows[e]];
+      for (int dj = 0; dj <= rows_below(&normal->grid, column); dj++) {
+        const double *other = v + column + dj * normal->grid.side;
+        int first, last;
+        row_limits(&normal->grid, column, dj, &first, &last);
+        for (int di = first; di <= last; di++) {
+          sum[slot_of(column, dj, di)] += v[column] * other[di];
+        }
       }
     }
   }
@@ -372,16 +282,26 @@ int placido_normal_outer(const placido_normal *normal, const double *x, int coun
 }
 
 double placido_normal_variance(const placido_normal *normal, const double *inverse, int column,
-                               int row, const double v[PLACIDO_SPLINE_CELL]) {
+                               int row, const double v[CELL]) {
   double sum = 0;
-  for (int c = 0; c < PLACIDO_SPLINE_CELL; c++) {
-    int cj = c / PLACIDO_SPLINE_ORDER, ci = c % PLACIDO_SPLINE_ORDER;
-    int at = (row + cj) * normal->grid.side + column + ci;
-    sum += v[c] * v[c] * inverse[slot_of(normal, at, 0, 0)];
-    for (int r = c + 1; r < PLACIDO_SPLINE_CELL; r++) {
-      int dj = r / PLACIDO_SPLINE_ORDER - cj, di = r % PLACIDO_SPLINE_ORDER - ci;
-      sum += 2 * v[c] * v[r] * inverse[slot_of(normal, at, dj, di)];
+  for (int c = 0; c < CELL; c++) {
+    int cj = c / ORDER, ci = c % ORDER, at = (row + cj) * normal->grid.side + column + ci;
+    double own = v[c] * inverse[slot_of(at, 0, 0)];
+    for (int r = c + 1; r < CELL; r++) {
+      own += 2 * v[r] * inverse[slot_of(at, r / ORDER - cj, r % ORDER - ci)];
     }
+    sum += v[c] * own;
   }
   return sum;
+}
+
+void placido_normal_block(const placido_normal *normal, const double *inverse, int column, int row,
+                          double block[CELL * CELL]) {
+  for (int c = 0; c < CELL; c++) {
+    int cj = c / ORDER, ci = c % ORDER, at = (row + cj) * normal->grid.side + column + ci;
+    for (int r = c; r < CELL; r++) {
+      double entry = inverse[slot_of(at, r / ORDER - cj, r % ORDER - ci)];
+      block[r * CELL + c] = block[c * CELL + r] = entry;
+    }
+  }
 }

@@ -9,6 +9,7 @@
 #include <math.h>
 
 #define CUT 5.0         /* in robust standard deviations */
+#define CUT_NOISE 2.0   /* most of a point's own noise that the cut allows for */
 #define CUT_SPREAD 2    /* neighbours along the edge that go with a cut point */
 #define SPREAD_MIN_PX 0.01
 #define ASTRAY 0.15     /* of the edges' distance: real eyes stay under a third of it */
@@ -67,7 +68,8 @@ int placido_outliers_cut(placido_sample *samples, size_t count, double *work, si
   }
   double limit = CUT * fmax(SPREAD_MIN_PX, spread);
   for (size_t i = 0; i < count; i++) {
-    if (!(fabs(deviation[i]) < limit)) {
+    double allowed = limit * fmin(1, CUT_NOISE / samples[i].noise);
+    if (!(fabs(deviation[i]) < allowed)) {
       mark(samples, count, i, out);
     }
   }

@@ -3,45 +3,51 @@
  *
  * A change δc of the coefficients changes a point's miss by (a B + b B_x + c B_y)·δc, three numbers
  * a point (mirror.h), over the 36 coefficients of its cell. The points of one cell share all
- * coefficients, so their part of the normal matrix is one dense block. */
+ * coefficients, so their part of the normal matrix is one dense product of their rows. */
 #include "reconstruct/solve/refine.h"
 
 #include "base/memory.h"
+#include "reconstruct/median.h"
+#include "reconstruct/vector.h"
 
 #include <math.h>
 #include <string.h>
 
 #define CELL PLACIDO_SPLINE_CELL
-#define BLOCK (CELL * CELL + CELL)
+#define ORDER PLACIDO_SPLINE_ORDER
+#define BATCH PLACIDO_BUNDLE_BATCH
+#define TOGETHER 4        /* rows that are multiplied at a time */
 #define HUBER 3.0         /* in sigmas: where the loss turns from square to linear */
 #define SIGMA_MIN_PX 0.01
 #define SIGMA_MAX_PX 5.0
+#define NEAR 0.1          /* of the cost: after falls below it the next one is at most */
+#define RATE 0.05         /* times as large, where points are well fitted; twice where badly */
 #define ROUNDING 1e-7 /* a rise of the cost as small as this is no rise */
 
-int placido_refinement_new(placido_refinement *r, const placido_surface *base,
-                           const placido_grid *grid, placido_sample *samples, size_t count,
-                           double smoothing, int steps_max, int threads, placido_error *err) {
-  *r = (placido_refinement){.shape = {.base = base},
-                            .samples = samples,
-                            .count = count,
+int placido_refinement_new(placido_refinement *r, const placido_conicoid *base,
+                           const placido_grid *grid, placido_bundle *rays, double smoothing,
+                           int steps_max, int threads, placido_error *err) {
+  *r = (placido_refinement){.shape = {.base = *base, .grid = grid},
+                            .rays = rays,
+                            .samples = rays->samples,
+                            .count = rays->count,
                             .smoothing = smoothing,
                             .steps_max = steps_max,
                             .threads = threads};
-  size_t cells = (size_t)grid->cells * (size_t)grid->cells;
   int status = placido_normal_new(&r->normal, grid, err);
+  if (!status) {
+    status = placido_bundle_fit_grid(rays, grid, err);
+  }
   if (!status) {
     r->coefficients = placido_memory_new((size_t)grid->side * (size_t)grid->side,
                                          sizeof *r->coefficients, err);
-    r->work = placido_memory_new(count, sizeof *r->work, err);
-    r->order = placido_memory_new(count + cells + 1, sizeof *r->order, err);
-    r->blocks = placido_memory_new(cells, BLOCK * sizeof *r->blocks, err);
-    status = r->coefficients && r->work && r->order && r->blocks ? PLACIDO_OK : PLACIDO_MEMORY;
+    r->work = placido_memory_new(r->count, sizeof *r->work, err);
+    status = r->coefficients && r->work ? PLACIDO_OK : PLACIDO_MEMORY;
   }
   if (status) {
     placido_refinement_free(r);
     return status;
   }
-  r->shape.grid = grid;
   r->shape.coefficients = r->coefficients;
   return PLACIDO_OK;
 }
@@ -50,13 +56,7 @@ void placido_refinement_free(placido_refinement *r) {
   placido_normal_free(r->normal);
   placido_memory_free(r->coefficients);
   placido_memory_free(r->work);
-  placido_memory_free(r->order);
-  placido_memory_free(r->blocks);
   *r = (placido_refinement){0};
-}
-
-static bool counts(const placido_sample *s) {
-  return s->used && !isnan(s->residual_px);
 }
 
 /* Twice the pseudo-Huber loss of a residual in sigmas. */
@@ -74,20 +74,17 @@ static double at_axis(const placido_refinement *r, placido_basis *basis) {
 }
 
 static void trace(placido_refinement *r) {
-#pragma omp parallel for num_threads(r->threads)
-  for (size_t i = 0; i < r->count; i++) {
-    placido_sample_trace(&r->samples[i], &r->shape);
-  }
+  placido_bundle_trace(r->rays, &r->shape, r->threads);
 }
 
 /* The cost at the present sigma. Points whose ray misses cost as much as far outliers, so that a
  * step cannot win by losing points. */
 static double cost(const placido_refinement *r) {
-  double sum = 0;
+  const double *residual_px = r->rays->numbers[PLACIDO_RAY_RESIDUAL_PX];
+  double sum = 0, share = 1 / r->sigma_px;
   for (size_t i = 0; i < r->count; i++) {
-    const placido_sample *s = &r->samples[i];
-    if (s->used) {
-      sum += isnan(s->residual_px) ? loss(100) : loss(s->residual_px / r->sigma_px);
+    if (r->rays->used[i]) {
+      sum += isnan(residual_px[i]) ? loss(100) : loss(residual_px[i] * share);
     }
   }
   placido_basis basis;
@@ -96,99 +93,160 @@ static double cost(const placido_refinement *r) {
          r->smoothing * placido_normal_roughness(r->normal, r->coefficients);
 }
 
-static size_t cell_of(const placido_sample *s, int cells) {
-  return (size_t)s->basis.row * (size_t)cells + (size_t)s->basis.column;
+/* The pieces of the basis at a place in a cell, and their derivatives by the place, side by side. */
+PLACIDO_INSIDE void pieces_at(double t, double value[ORDER], double slope[ORDER]) {
+  for (int i = 0; i < ORDER; i++) {
+    value[i] = placido_spline_powers[ORDER - 1][i];
+    slope[i] = 0;
+  }
+  for (int n = ORDER - 2; n >= 0; n--) {
+    for (int i = 0; i < ORDER; i++) {
+      slope[i] = slope[i] * t + value[i];
+      value[i] = value[i] * t + placido_spline_powers[n][i];
+    }
+  }
 }
 
-/* Counting sort of the used samples by cell; returns where the cells begin. */
-static size_t *sort_by_cell(placido_refinement *r) {
-  int cells = r->shape.grid->cells;
-  size_t count = (size_t)cells * (size_t)cells, *starts = r->order + r->count;
-  memset(starts, 0, (count + 1) * sizeof *starts);
-  for (size_t i = 0; i < r->count; i++) {
-    if (counts(&r->samples[i])) {
-      starts[cell_of(&r->samples[i], cells) + 1]++;
+/* What a change of the residual is for each coefficient, from those for height and slopes. */
+PLACIDO_INSIDE void row_of(double row[CELL], double x, double y, double by_z, double by_p,
+                           double by_q) {
+  double vx[ORDER], dx[ORDER], vy[ORDER], dy[ORDER];
+  pieces_at(x, vx, dx);
+  pieces_at(y, vy, dy);
+  for (int j = 0, k = 0; j < ORDER; j++) {
+    double value = by_z * vy[j] + by_q * dy[j], across = by_p * vy[j];
+    for (int i = 0; i < ORDER; i++, k++) {
+      row[k] = value * vx[i] + across * dx[i];
     }
   }
-  for (size_t c = 0; c < count; c++) {
-    starts[c + 1] += starts[c];
-  }
-  for (size_t i = 0; i < r->count; i++) {
-    if (counts(&r->samples[i])) {
-      r->order[starts[cell_of(&r->samples[i], cells)]++] = i;
-    }
-  }
-  memmove(starts + 1, starts, count * sizeof *starts);
-  starts[0] = 0;
-  return starts;
+}
+
+PLACIDO_INSIDE double weight_of(double residual) {
+  return 1 / sqrt(1 + residual * residual * (1 / (HUBER * HUBER)));
 }
 
 double placido_sample_row(double row[CELL], const placido_sample *s, double sigma_px) {
-  double slope = s->slope * sigma_px;
-  double a = s->miss.by_z / slope, b = s->miss.by_p / slope, c = s->miss.by_q / slope;
-  for (int j = 0, k = 0; j < PLACIDO_SPLINE_ORDER; j++) {
-    double value = a * s->basis.y[0][j] + c * s->basis.y[1][j], across = b * s->basis.y[0][j];
-    for (int i = 0; i < PLACIDO_SPLINE_ORDER; i++, k++) {
-      row[k] = value * s->basis.x[0][i] + across * s->basis.x[1][i];
-    }
-  }
-  double x = s->residual_px / sigma_px / HUBER;
-  return 1 / sqrt(1 + x * x);
+  double slope = s->slope * sigma_px, steep = slope * s->basis.knot_mm;
+  row_of(row, s->basis.x, s->basis.y, s->miss.by_z / slope, s->miss.by_p / steep,
+         s->miss.by_q / steep);
+  return weight_of(s->residual_px / sigma_px);
 }
 
-/* Adds one sample's row to a cell's block (lower triangle) and right-hand side. */
-static void add_row(double *block, const placido_sample *s, double sigma_px) {
-  double row[CELL], *right = block + CELL * CELL;
-  double weight = placido_sample_row(row, s, sigma_px), residual = s->residual_px / sigma_px;
-  for (int i = 0; i < CELL; i++) {
-    double left = weight * row[i], *line = block + i * CELL;
-    right[i] -= left * residual;
-    for (int j = 0; j <= i; j++) {
-      line[j] += left * row[j];
-    }
+/* The rows of some rays of a cell, each times the root of its weight, and their residuals. Rows of
+ * zeros fill up the last few that are multiplied together. Returns how many rows there are. */
+PLACIDO_WIDE static int find_rows(double rows[BATCH][CELL], double residuals[BATCH],
+                                  const placido_bundle *rays, const size_t *which, int count,
+                                  double sigma_px, double knot_mm) {
+  double *const *numbers = rays->numbers;
+  double share = 1 / sigma_px, steep = share / knot_mm, roots[BATCH];
+  for (int k = 0; k < count; k++) {
+    residuals[k] = numbers[PLACIDO_RAY_RESIDUAL_PX][which[k]] * share;
   }
+  for (int k = 0; k < count; k++) {
+    roots[k] = sqrt(weight_of(residuals[k]));
+    residuals[k] *= roots[k];
+  }
+  for (int k = 0; k < count; k++) {
+    size_t i = which[k];
+    row_of(rows[k], numbers[PLACIDO_RAY_PLACE_X][i], numbers[PLACIDO_RAY_PLACE_Y][i],
+           roots[k] * share * numbers[PLACIDO_RAY_BY_Z][i],
+           roots[k] * steep * numbers[PLACIDO_RAY_BY_P][i],
+           roots[k] * steep * numbers[PLACIDO_RAY_BY_Q][i]);
+  }
+  for (; count % TOGETHER; count++) {
+    memset(rows[count], 0, sizeof rows[count]);
+    residuals[count] = 0;
+  }
+  return count;
 }
 
-static void assemble(placido_refinement *r) {
-  int cells = r->shape.grid->cells;
-  size_t count = (size_t)cells * (size_t)cells;
-  const size_t *starts = sort_by_cell(r);
-  placido_normal_clear(r->normal);
-#pragma omp parallel for num_threads(r->threads) schedule(dynamic, 8)
-  for (size_t c = 0; c < count; c++) {
-    double *block = r->blocks + c * BLOCK;
-    if (starts[c] < starts[c + 1]) {
-      memset(block, 0, BLOCK * sizeof *block);
-      for (size_t i = starts[c]; i < starts[c + 1]; i++) {
-        add_row(block, &r->samples[r->order[i]], r->sigma_px);
+/* Adds rowsᵀ rows to a block's lower triangle, and what else makes its lines whole vectors. */
+PLACIDO_WIDE static void add_products(double *restrict block, double rows[BATCH][CELL],
+                                      int count) {
+  for (int k = 0; k < count; k += TOGETHER) {
+    const double *a = rows[k], *b = rows[k + 1], *c = rows[k + 2], *d = rows[k + 3];
+    for (int i = 0; i < CELL; i++) {
+      double ai = a[i], bi = b[i], ci = c[i], di = d[i], *line = block + i * CELL;
+      int end = (i / 4 + 1) * 4;
+      for (int j = 0; j < end; j += 4) {
+        for (int v = j; v < j + 4; v++) {
+          line[v] += (ai * a[v] + bi * b[v]) + (ci * c[v] + di * d[v]);
+        }
       }
     }
   }
-  /* added in the order of the cells, so that sums do not depend on the threads */
-  for (size_t c = 0; c < count; c++) {
-    if (starts[c] < starts[c + 1]) {
-      const double *block = r->blocks + c * BLOCK;
-      placido_normal_add(r->normal, (int)(c % (size_t)cells), (int)(c / (size_t)cells), block,
-                         block + CELL * CELL);
+}
+
+PLACIDO_WIDE static void add_pulls(double right[CELL], double rows[BATCH][CELL],
+                                   const double residuals[BATCH], int count) {
+  for (int k = 0; k < count; k++) {
+    for (int i = 0; i < CELL; i++) {
+      right[i] -= residuals[k] * rows[k][i];
     }
   }
-  placido_normal_smooth(r->normal, r->smoothing, r->coefficients);
+}
+
+/* Adds the rays of one cell. */
+static void assemble_cell(placido_refinement *r, int column, int row) {
+  const placido_grid *grid = r->shape.grid;
+  const placido_bundle *rays = r->rays;
+  size_t c = (size_t)row * (size_t)grid->cells + (size_t)column, end = rays->starts[c + 1];
+  double block[CELL * CELL], right[CELL] = {0}, rows[BATCH][CELL], residuals[BATCH];
+  if (rays->starts[c] == end) {
+    return;
+  }
+  memset(block, 0, sizeof block);
+  for (size_t at = rays->starts[c]; at < end; at += BATCH) {
+    int count = end - at < BATCH ? (int)(end - at) : BATCH;
+    count = find_rows(rows, residuals, rays, rays->order + at, count, r->sigma_px, grid->knot_mm);
+    add_products(block, rows, count);
+    add_pulls(right, rows, residuals, count);
+  }
+  placido_normal_add(r->normal, column, row, block, right);
+}
+
+/* The spring at the axis. */
+static void assemble_axis(placido_refinement *r) {
   placido_basis basis;
-  double off = at_axis(r, &basis), block[CELL * CELL], right[CELL];
+  double off = at_axis(r, &basis), block[CELL * CELL], right[CELL], values[CELL];
   for (int i = 0; i < CELL; i++) {
-    double bi = basis.y[0][i / PLACIDO_SPLINE_ORDER] * basis.x[0][i % PLACIDO_SPLINE_ORDER];
-    right[i] = -PLACIDO_DISTANCE_WEIGHT * bi * off;
+    values[i] = basis.y[0][i / ORDER] * basis.x[0][i % ORDER];
+    right[i] = -PLACIDO_DISTANCE_WEIGHT * values[i] * off;
     for (int j = 0; j <= i; j++) {
-      block[i * CELL + j] = PLACIDO_DISTANCE_WEIGHT * bi *
-                            basis.y[0][j / PLACIDO_SPLINE_ORDER] *
-                            basis.x[0][j % PLACIDO_SPLINE_ORDER];
+      block[i * CELL + j] = PLACIDO_DISTANCE_WEIGHT * values[i] * values[j];
     }
   }
   placido_normal_add(r->normal, basis.column, basis.row, block, right);
 }
 
+/* Cells that are ORDER rows apart share no coefficients: threads may add them side by side, and
+ * every sum is made in the same order by any number of threads. */
+static void assemble(placido_refinement *r) {
+  int cells = r->shape.grid->cells;
+  placido_bundle_sort(r->rays, r->shape.grid);
+  placido_normal_clear(r->normal);
+  for (int first = 0; first < ORDER; first++) {
+#pragma omp parallel for num_threads(r->threads) schedule(dynamic, 1)
+    for (int row = first; row < cells; row += ORDER) {
+      for (int column = 0; column < cells; column++) {
+        assemble_cell(r, column, row);
+      }
+    }
+  }
+  placido_normal_smooth(r->normal, r->smoothing, r->coefficients);
+  assemble_axis(r);
+}
+
+/* Robust spread of the residuals that count. */
 static void rescale(placido_refinement *r) {
-  double spread = placido_samples_spread(r->samples, r->count, r->work);
+  const double *residual_px = r->rays->numbers[PLACIDO_RAY_RESIDUAL_PX];
+  size_t n = 0;
+  for (size_t i = 0; i < r->count; i++) {
+    if (r->rays->used[i] && !isnan(residual_px[i])) {
+      r->work[n++] = fabs(residual_px[i]);
+    }
+  }
+  double spread = 1.4826 * placido_quantile(r->work, n, 0.5);
   r->sigma_px = fmax(SIGMA_MIN_PX, fmin(SIGMA_MAX_PX, spread));
 }
 
@@ -222,11 +280,21 @@ static int descend(placido_refinement *r, double *step, double *fell, placido_er
   return PLACIDO_OK;
 }
 
+void placido_refinement_trace(placido_refinement *r) {
+  placido_bundle_hear(r->rays);
+  if (!r->traced) {
+    trace(r);
+    r->traced = true;
+  }
+  placido_bundle_tell(r->rays);
+}
+
 int placido_refinement_run(placido_refinement *r, double settled, placido_error *err) {
   size_t n = (size_t)r->shape.grid->side * (size_t)r->shape.grid->side;
   double *step = placido_memory_new(n, sizeof *step, err);
   int status = step ? PLACIDO_OK : PLACIDO_MEMORY;
-  double fell = 1;
+  double fell = 1, next = 1; /* of the cost in a step, and what is expected of one more */
+  placido_bundle_hear(r->rays);
   if (!r->traced) {
     trace(r);
     r->traced = true;
@@ -235,12 +303,15 @@ int placido_refinement_run(placido_refinement *r, double settled, placido_error 
     double sigma_before = r->sigma_px;
     rescale(r);
     bool same_unit = fabs(r->sigma_px / sigma_before - 1) < 0.03;
-    if (same_unit && fell < settled) {
+    if (same_unit && fmin(fell, next) < settled) {
       break;
     }
+    double before = fell;
     status = descend(r, step, &fell, err);
+    next = fell * (fell < NEAR ? fmax(RATE, i > 0 ? fell / before : 0) : 1);
   }
-  if (!status && !(fell < 10 * settled)) {
+  placido_bundle_tell(r->rays);
+  if (!status && !(fmin(fell, next) < 10 * settled)) {
     status = placido_error_set(err, PLACIDO_QUALITY,
                                "the surface did not settle within %d steps", r->steps_max);
   }
@@ -251,4 +322,8 @@ int placido_refinement_run(placido_refinement *r, double settled, placido_error 
   }
   placido_memory_free(step);
   return status;
+}
+
+void placido_refinement_tell(placido_refinement *r) {
+  placido_bundle_tell_all(r->rays, &r->shape, r->threads);
 }

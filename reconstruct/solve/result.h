@@ -2,30 +2,54 @@
 #ifndef PLACIDO_SOLVE_RESULT_H
 #define PLACIDO_SOLVE_RESULT_H
 
-#include "reconstruct/solve/normal.h"
+#include "reconstruct/solve/scatter.h"
+
+#include "reconstruct/solve/conicoid.h"
 
 #include <placido/reconstruct.h>
 
 struct placido_fit {
   placido_surface *surface;
+  placido_conicoid base; /* what the next frame's fit may start from: the conicoid, */
+  double *sags_mm;       /* the spline on it, as coefficients of the sag, */
+  double axis_z_mm;      /* and the distance that both were fitted for */
   placido_grid grid;
   placido_normal *normal;
-  double *inverse;      /* covariance of the coefficients at the normal matrix's pattern */
+  double *inverse;      /* of the normal matrix, at its own pattern */
   double *by_distance;  /* d coefficients / d axis_z */
   double *geometry;     /* covariance from the instrument, as `inverse`; NULL: not known */
   double *modes;        /* mode by mode: how the coefficients answer; their outer products' sum is
                            `geometry` */
   int mode_count;
+  double variance_scale; /* usual factor on `inverse` that makes the noise's covariance of it */
+  placido_scatter scatter; /* what makes the noise's covariance of `inverse` */
   double *draws;        /* PLACIDO_NOISE_VARIANTS draws of the coefficients' noise, each scaled so that
                            their outer products' sum is its covariance */
-  double variance_scale, axis_z_sigma_mm;
+  double *level;        /* mean height of the central zone, over the coefficients */
+  double *with_level;   /* the noise's covariance times `level` */
+  double level_variance; /* of the level itself, by the noise */
+  double *lift;         /* how the distance, per mm, and each mode move the level */
+  double axis_z_sigma_mm;
   placido_fit_summary summary;
 };
 
-/* Fills inverse and by_distance from the normal matrix's last factor. */
+/* Fills by_distance, draws and what is missing of inverse and scatter from the normal matrix's last
+ * factor; a scatter that is missing is even, sqrt(variance_scale). */
 int placido_fit_covariance(placido_fit *fit, placido_error *err);
 
-/* Fills draws from the normal matrix's last factor and variance_scale. */
+/* Fills draws from the normal matrix's last factor and scatter. */
 int placido_fit_variants_draw(placido_fit *fit, placido_error *err);
+
+/* Fills what counts heights from the level, once surface and scatter are there. Until then heights
+ * count from the axis. */
+int placido_fit_level_find(placido_fit *fit, placido_error *err);
+
+/* The noise's covariance of a cell's coefficients, a full CELL × CELL matrix. */
+void placido_fit_noise_block(double block[PLACIDO_SPLINE_CELL * PLACIDO_SPLINE_CELL],
+                             const placido_fit *fit, int column, int row);
+
+/* The noise's covariance times `count` rows of weights over all coefficients. */
+int placido_fit_noise_times(double *answers, const placido_fit *fit, const double *weights,
+                            int count, placido_error *err);
 
 #endif

@@ -11,7 +11,7 @@
 #define CLOSE_MM 1e-10
 
 static bool shape_at(const placido_shape *shape, double x, double y, placido_hit *hit,
-                     placido_basis *basis) {
+                     placido_spot *spot) {
   placido_jet jet;
   if (!placido_surface_at(shape->base, x, y, &jet)) {
     return false;
@@ -26,10 +26,14 @@ static bool shape_at(const placido_shape *shape, double x, double y, placido_hit
                        .yy = -jet.syy};
   if (shape->coefficients) {
     double s[6];
-    if (!placido_grid_basis(shape->grid, x, y, basis)) {
+    placido_basis basis;
+    spot->knot_mm = shape->grid->knot_mm;
+    if (!placido_grid_locate(shape->grid, x, y, &spot->column, &spot->row, &spot->x,
+                             &spot->y) ||
+        !placido_grid_basis(shape->grid, x, y, &basis)) {
       return false;
     }
-    placido_grid_value(shape->grid, shape->coefficients, basis, s);
+    placido_grid_value(shape->grid, shape->coefficients, &basis, s);
     hit->z += s[0];
     hit->p += s[1];
     hit->q += s[2];
@@ -82,6 +86,7 @@ int placido_samples_new(placido_sample **samples, const placido_mires *mires,
                             .edge = &instrument->edges[p->edge],
                             .point = i,
                             .used = true,
+                            .noise = 1,
                             .residual_px = NAN};
     s[i].t = s[i].ray.origin[2] - axis_z_mm;
   }

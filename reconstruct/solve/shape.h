@@ -16,6 +16,12 @@ typedef struct placido_shape {
   const double *coefficients;
 } placido_shape;
 
+/* Where on the spline: a cell, the place in it, 0 to 1 each way, and the grid's spacing. */
+typedef struct placido_spot {
+  int column, row;
+  double x, y, knot_mm;
+} placido_spot;
+
 /* One edge point on its way through the fit. */
 typedef struct placido_sample {
   placido_ray ray;
@@ -23,11 +29,13 @@ typedef struct placido_sample {
   size_t point;       /* its place in the list of mires */
   double t;           /* where its ray met the shape last */
   placido_hit hit;
-  placido_basis basis; /* valid where the shape has a spline */
+  placido_spot basis; /* valid where the shape has a spline */
   placido_miss miss;
   double slope;       /* of the miss in the image, per px */
   double residual_px; /* signed distance from the edge, first order (Sampson); NaN: ray misses */
   bool used;
+  double noise;       /* standard deviation, relative to the others'. While the spline is fitted
+                         (bundle.h), what slope and residual call a px is so many */
 } placido_sample;
 
 /* Follows the sample's ray to the shape, mirrors it and takes the miss. */

@@ -58,15 +58,48 @@ static bool locate(const placido_grid *grid, double x, int *cell, double *t) {
   return true;
 }
 
+bool placido_grid_locate(const placido_grid *grid, double x_mm, double y_mm, int *column, int *row,
+                         double *x, double *y) {
+  return locate(grid, x_mm, column, x) && locate(grid, y_mm, row, y);
+}
+
 bool placido_grid_basis(const placido_grid *grid, double x_mm, double y_mm,
                         placido_basis *basis) {
   double tx, ty;
-  if (!locate(grid, x_mm, &basis->column, &tx) || !locate(grid, y_mm, &basis->row, &ty)) {
+  if (!placido_grid_locate(grid, x_mm, y_mm, &basis->column, &basis->row, &tx, &ty)) {
     return false;
   }
   along(tx, grid->knot_mm, basis->x);
   along(ty, grid->knot_mm, basis->y);
   return true;
+}
+
+#define PARTS(a, b, c, d, e, f) {a / 120.0, b / 120.0, c / 120.0, d / 120.0, e / 120.0, f / 120.0}
+
+const double placido_spline_powers[PLACIDO_SPLINE_ORDER][PLACIDO_SPLINE_ORDER] = {
+    PARTS(1, 26, 66, 26, 1, 0),     PARTS(-5, -50, 0, 50, 5, 0),
+    PARTS(10, 20, -60, 20, 10, 0),  PARTS(-10, 20, 0, -20, 10, 0),
+    PARTS(5, -20, 30, -20, 5, 0),   PARTS(-1, 5, -10, 10, -5, 1),
+};
+
+void placido_grid_polynomial(const placido_grid *grid, const double *coefficients, int column,
+                             int row, double polynomial[PLACIDO_SPLINE_CELL]) {
+  enum { ORDER = PLACIDO_SPLINE_ORDER };
+  double lines[ORDER][ORDER] = {{0}};
+  const double *c = coefficients + (long)row * grid->side + column;
+  for (int j = 0; j < ORDER; j++, c += grid->side) {
+    for (int i = 0; i < ORDER; i++) {
+      for (int n = 0; n < ORDER; n++) {
+        lines[j][n] += c[i] * placido_spline_powers[n][i];
+      }
+    }
+  }
+  for (int k = 0; k < ORDER * ORDER; k++) {
+    polynomial[k] = 0;
+    for (int j = 0; j < ORDER; j++) {
+      polynomial[k] += placido_spline_powers[k / ORDER][j] * lines[j][k % ORDER];
+    }
+  }
 }
 
 void placido_grid_value(const placido_grid *grid, const double *coefficients,

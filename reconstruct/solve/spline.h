@@ -28,6 +28,18 @@ typedef struct placido_basis {
 /* Returns false outside the square. */
 bool placido_grid_basis(const placido_grid *grid, double x_mm, double y_mm, placido_basis *basis);
 
+/* The cell of a point and its place there, 0 to 1 each way. Returns false outside the square. */
+bool placido_grid_locate(const placido_grid *grid, double x_mm, double y_mm, int *column, int *row,
+                         double *x, double *y);
+
+/* The pieces of the basis along one axis as polynomials of the place in a cell: piece i is
+ * Σ powers[n][i] tⁿ. */
+extern const double placido_spline_powers[PLACIDO_SPLINE_ORDER][PLACIDO_SPLINE_ORDER];
+
+/* The spline in one cell as a polynomial of the place: Σ polynomial[m · ORDER + n] yᵐ xⁿ. */
+void placido_grid_polynomial(const placido_grid *grid, const double *coefficients, int column,
+                             int row, double polynomial[PLACIDO_SPLINE_CELL]);
+
 /* Value, d/dx, d/dy, d²/dx², d²/dxdy, d²/dy² of the spline with these coefficients. */
 void placido_grid_value(const placido_grid *grid, const double *coefficients,
                         const placido_basis *basis, double out[6]);

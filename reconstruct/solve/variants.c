@@ -14,8 +14,9 @@ static size_t unknowns(const placido_fit *fit) {
 }
 
 int placido_fit_variants_draw(placido_fit *fit, placido_error *err) {
+  const placido_scatter *scatter = &fit->scatter;
   size_t n = unknowns(fit), numbers = n * PLACIDO_NOISE_VARIANTS;
-  double scale = sqrt(fit->variance_scale / PLACIDO_NOISE_VARIANTS);
+  double scale = sqrt(1.0 / PLACIDO_NOISE_VARIANTS);
   double *draws = fit->draws = placido_memory_new(numbers, sizeof *draws, err);
   if (!draws) {
     return PLACIDO_MEMORY;
@@ -23,7 +24,18 @@ int placido_fit_variants_draw(placido_fit *fit, placido_error *err) {
   for (size_t i = 0; i < numbers; i++) {
     draws[i] = scale * placido_random_normal(SEED, i / n, i % n);
   }
-  return placido_normal_draw(fit->normal, draws, PLACIDO_NOISE_VARIANTS, draws, err);
+  int status = placido_normal_draw(fit->normal, draws, PLACIDO_NOISE_VARIANTS, draws, err);
+  for (size_t i = 0; i < numbers && !status; i++) {
+    draws[i] *= scatter->spread[i % n];
+  }
+  for (int k = 0; k < PLACIDO_NOISE_VARIANTS * scatter->steps && !status; k++) {
+    size_t draw = (size_t)(k / scatter->steps), step = (size_t)(k % scatter->steps);
+    double amount = scale * placido_random_normal(SEED, PLACIDO_NOISE_VARIANTS + draw, step);
+    for (size_t i = 0; i < n; i++) {
+      draws[draw * n + i] += amount * scatter->step[step * n + i];
+    }
+  }
+  return status;
 }
 
 int placido_fit_variant_count(const placido_fit *fit) {

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "reconstruct/surface/jet.h"
 #include "reconstruct/surface/part.h"
+#include "reconstruct/surface/zernike.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -14,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ORDER_MAX 15
-#define POWERS (ORDER_MAX / 2 + 1)
+#define ORDER_MAX PLACIDO_ZERNIKE_ORDER_MAX
+#define POWERS PLACIDO_ZERNIKE_POWERS
 
 struct zernike {
   double scale;                             /* 1 / radius */
@@ -48,26 +49,15 @@ static bool check(const placido_part *part, placido_complaint *complaint) {
   return true;
 }
 
-static double factorial(int n) {
-  double product = 1;
-  for (int i = 2; i <= n; i++) {
-    product *= i;
-  }
-  return product;
-}
-
 /* Adds coefficient (mm) times the term of order n and frequency m. */
 static void add_term(struct zernike *z, int n, int m, double coefficient) {
-  int frequency = abs(m), half = (n - frequency) / 2;
-  double norm = sqrt((m == 0 ? 1.0 : 2.0) * (n + 1)), sign = 1;
-  double *powers = m < 0 ? z->sine[frequency] : z->cosine[frequency];
-  for (int k = 0; k <= half; k++) {
-    double weight = factorial(n - k) /
-                    (factorial(k) * factorial((n + frequency) / 2 - k) * factorial(half - k));
-    powers[half - k] += coefficient * norm * sign * weight;
-    sign = -sign;
+  int frequency = abs(m);
+  double radial[POWERS], *powers = m < 0 ? z->sine[frequency] : z->cosine[frequency];
+  int count = placido_zernike_radial(radial, n, m);
+  for (int k = 0; k < count; k++) {
+    powers[k] += coefficient * radial[k];
   }
-  z->powers[frequency] = half + 1 > z->powers[frequency] ? half + 1 : z->powers[frequency];
+  z->powers[frequency] = count > z->powers[frequency] ? count : z->powers[frequency];
   z->order = frequency > z->order ? frequency : z->order;
 }
 

@@ -6,7 +6,7 @@ succeed --version
 says '^placido [0-9]+\.[0-9]+' out.txt
 succeed help
 says '^  exam ' out.txt
-for command in exam reconstruct simulate phantom devices record; do
+for command in exam reconstruct simulate phantom devices record iso-check; do
   succeed help $command
   says "^usage: placido $command " out.txt
   says '^examples' out.txt
@@ -38,6 +38,7 @@ refuse 2 'SIGMA is not negative' exam input.png -o out --axis-z 0,-1
 refuse 2 '--pupils 20: it ranges from 0.1 to 12' exam input.png -o out --pupils 2,20
 refuse 2 '--pupils: 2 stands twice' exam input.png -o out --pupils 2,4,2
 refuse 2 '--pupils 2,4,: a number was expected after each comma' exam input.png -o out --pupils 2,4,
+refuse 2 '--wavefront: 3 stands twice' exam input.png -o out --wavefront 3,5,3.0
 refuse 2 '--pupils: its value is empty' exam input.png -o out --pupils ''
 # Two pupils that would share a folder are one.
 refuse 2 '--pupils: 4 stands twice' exam input.png -o out --pupils 4,4.0000001

@@ -88,7 +88,11 @@ placido_psf fabricate_psf(int n) {
 }
 
 unsigned colour_at(const placido_frame *picture, int x, int y) {
+  const uint8_t *row = picture->data + (size_t)y * picture->stride_bytes;
+  if (picture->format == PLACIDO_MONO8) {
+    return row[x] * 0x010101u;
+  }
   assert_int_equal(picture->format, PLACIDO_RGB8);
-  const uint8_t *at = picture->data + (size_t)y * picture->stride_bytes + 3 * (size_t)x;
+  const uint8_t *at = row + 3 * (size_t)x;
   return (unsigned)at[0] << 16 | (unsigned)at[1] << 8 | at[2];
 }

@@ -19,7 +19,7 @@ placido_mires fabricate_mires(double u_px, double v_px, double spacing_px, int e
 /* A PSF of n × n buckets with all light in the centre; free with free(psf.values). */
 placido_psf fabricate_psf(int n);
 
-/* A picture's colour 0xRRGGBB; the picture must have been read as RGB8. */
+/* A picture's colour 0xRRGGBB; a picture without colours is read as MONO8. */
 unsigned colour_at(const placido_frame *picture, int x, int y);
 
 #endif

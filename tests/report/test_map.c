@@ -124,8 +124,8 @@ static void every_kind_can_be_drawn(void **state) {
 static void a_quadratic_is_interpolated_exactly(void **state) {
   (void)state;
   placido_maps maps = fabricate_maps(bowl);
-  placido_field field;
-  assert_int_equal(placido_field_new(&field, &maps, maps.values[0], 333, NULL), PLACIDO_OK);
+  placido_map_field field;
+  assert_int_equal(placido_map_field_new(&field, &maps, maps.values[0], 333, NULL), PLACIDO_OK);
   for (int j = 60; j < 270; j += 7) {
     for (int i = 60; i < 270; i += 7) {
       double x = -4.5 + 9 * (i + 0.5) / 333, y = 4.5 - 9 * (j + 0.5) / 333;
@@ -133,7 +133,7 @@ static void a_quadratic_is_interpolated_exactly(void **state) {
     }
   }
   assert_true(isnan(field.values[0]));
-  placido_field_free(&field);
+  placido_map_field_free(&field);
   fabricate_maps_free(&maps);
 }
 

@@ -57,7 +57,7 @@ static void hostile_strings_stay_strings(void **state) {
       .name = hostile, .unit = hostile, .help = hostile, .value = 1, .sigma = NAN};
   placido_stage stage = {hostile, 1};
   make_picture(state, "a.png");
-  const char *pictures[] = {"a.png", NULL}, *captions[] = {hostile, NULL};
+  const placido_report_map map = {"a.png", hostile, PLACIDO_PLACE_MAIN};
   placido_psf psf = fabricate_psf(3);
   const char *scene_pictures[] = {"a.png"}, *scene_names[] = {hostile};
   placido_report_pupil pupil = {.psf = &psf,
@@ -71,8 +71,8 @@ static void hostile_strings_stay_strings(void **state) {
                            .instrument_name = hostile,
                            .software = hostile,
                            .created = hostile,
-                           .map_pictures = pictures,
-                           .map_captions = captions,
+                           .maps = &map,
+                           .map_count = 1,
                            .indices = &index,
                            .index_count = 1,
                            .pupils = &pupil,
@@ -99,8 +99,7 @@ static void utf8_stays_as_it_is_and_the_broken_is_replaced(void **state) {
 
 static void what_is_missing_leaves_no_heading(void **state) {
   placido_notes notes = {0};
-  const char *none[] = {NULL};
-  placido_report report = {.input = "x", .notes = &notes, .map_pictures = none};
+  placido_report report = {.input = "x", .notes = &notes};
   char *text = write_report(state, &report);
   assert_int_equal(count(text, "<h1>"), 1);
   assert_int_equal(count(text, "<h2>"), 0);
@@ -152,9 +151,64 @@ static void figures_are_shown_with_their_errors(void **state) {
   placido_memory_free(text);
 }
 
+/* Groups in the page's order whatever the order of the indices, and why a value is missing. */
+static void indices_stand_in_groups(void **state) {
+  placido_index_value indices[] = {
+      {.name = "kisa_percent", .unit = "%", .help = "h", .value = NAN, .sigma = NAN,
+       .reason = "not_covered"},
+      {.name = "simk_flat_D", .unit = "D", .help = "h", .value = 43, .sigma = 0.1},
+      {.name = "something_new", .unit = "", .help = "h", .value = 1, .sigma = NAN}};
+  placido_report report = {.indices = indices, .index_count = 3};
+  char *text = write_report(state, &report);
+  const char *first = strstr(text, "Keratometry"), *second = strstr(text, "Keratoconus");
+  const char *last = strstr(text, "Others");
+  assert_true(first != NULL && second > first && last > second);
+  assert_int_equal(count(text, "rowgroup"), 3);
+  assert_non_null(strstr(text, ">KISA</th>"));
+  assert_non_null(strstr(text, "Not given: not covered."));
+  assert_non_null(strstr(text, ">Something new</th>"));
+  placido_memory_free(text);
+}
+
+static void the_error_budget_adds_up(void **state) {
+  const placido_sigma budget[PLACIDO_SIGMA_SOURCES] = {
+      [PLACIDO_SIGMA_NOISE] = {0.03, 0.003},
+      [PLACIDO_SIGMA_DISTANCE] = {0.4, 0.04},
+      [PLACIDO_SIGMA_GEOMETRY] = {NAN, NAN}};
+  placido_report report = {.budget = budget, .budget_zone_mm = 6};
+  char *text = write_report(state, &report);
+  assert_non_null(strstr(text, "Error budget"));
+  assert_non_null(strstr(text, "<td class=\"number\">–</td>")); /* unknown is not zero */
+  assert_non_null(strstr(text, "All that is known</th><td class=\"number\">0.40</td>"));
+  placido_memory_free(text);
+}
+
+static void the_wavefront_has_a_column_a_pupil(void **state) {
+  size_t figure_count;
+  placido_wavefront_figures(&figure_count);
+  double figures[32] = {0}, sigmas[32] = {0};
+  assert_true(figure_count <= 32);
+  figures[0] = 1.234;
+  sigmas[0] = 0.01;
+  make_picture(state, "a.png");
+  const placido_wavefront small = {.eye.pupil_mm = 3}, large = {.eye.pupil_mm = 6};
+  const placido_report_wavefront wavefronts[] = {{&small, figures, sigmas, "a.png"},
+                                                 {&large, figures, NULL, "a.png"}};
+  placido_report report = {.wavefronts = wavefronts, .wavefront_count = 2};
+  char *text = write_report(state, &report);
+  assert_non_null(strstr(text, "Corneal wavefront"));
+  assert_non_null(strstr(text, "6 mm ± 1 σ"));
+  assert_non_null(strstr(text, ">RMS total</th><td class=\"number\">1.234 ± 0.010</td>"
+                               "<td class=\"number\">1.234</td>"));
+  assert_int_equal(count(text, "src=\"data:image/png"), 2);
+  placido_memory_free(text);
+}
+
 static void pictures_are_embedded_and_nothing_else_is_referred_to(void **state) {
   make_picture(state, "a.png");
-  const char *pictures[] = {"a.png", "a.png", NULL}, *captions[] = {"one", "two", NULL};
+  const char *pictures[] = {"a.png", "a.png"};
+  const placido_report_map maps[] = {{"a.png", "one", PLACIDO_PLACE_MAIN},
+                                     {"a.png", "two", PLACIDO_PLACE_UNCERTAINTY}};
   placido_psf psf = fabricate_psf(3);
   const char *names[] = {"tumbling-e", "fan"};
   placido_report_pupil pupil = {.psf = &psf,
@@ -165,8 +219,8 @@ static void pictures_are_embedded_and_nothing_else_is_referred_to(void **state) 
                                 .scene_arcmin_per_px = 20};
   placido_report report = {.capture_picture = "a.png",
                            .mires_picture = "a.png",
-                           .map_pictures = pictures,
-                           .map_captions = captions,
+                           .maps = maps,
+                           .map_count = 2,
                            .pupils = &pupil,
                            .pupil_count = 1};
   char *text = write_report(state, &report);
@@ -245,6 +299,9 @@ int main(void) {
       SCRATCH_TEST(what_is_missing_leaves_no_heading),
       SCRATCH_TEST(nominal_geometry_is_announced),
       SCRATCH_TEST(figures_are_shown_with_their_errors),
+      SCRATCH_TEST(indices_stand_in_groups),
+      SCRATCH_TEST(the_error_budget_adds_up),
+      SCRATCH_TEST(the_wavefront_has_a_column_a_pupil),
       SCRATCH_TEST(pictures_are_embedded_and_nothing_else_is_referred_to),
       SCRATCH_TEST(the_embedded_picture_is_the_file),
       SCRATCH_TEST(a_missing_picture_is_named_and_nothing_is_left),

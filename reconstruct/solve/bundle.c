@@ -1,0 +1,442 @@
+/* Newton's method along many rays at a time. What stands in a batch is computed in plain loops over
+ * arrays, which compilers turn into vector code; a number that is not one (NaN) is a ray that
+ * misses. */
+#include "reconstruct/solve/bundle.h"
+
+#include "base/memory.h"
+#include "reconstruct/mirror_inside.h"
+#include "reconstruct/vector.h"
+
+#include <string.h>
+
+#define BATCH PLACIDO_BUNDLE_BATCH
+#define ORDER PLACIDO_SPLINE_ORDER
+#define CELL PLACIDO_SPLINE_CELL
+#define LANES 8
+#define TILES 40
+#define TILE_MM 0.5
+#define PASSES_MAX 30
+/* A ray that meets the shape so near to where the shape was asked needs not ask again: its jet there
+ * follows from the second derivatives, to 1e-9 of slope. */
+#define ASIDE_MM 1e-4
+
+/* Rays that are worked on together, and the shape's jet where they are. */
+struct batch {
+  int count, lanes; /* what is beyond the count repeats the last ray, for vectors that are full */
+  double in[PLACIDO_RAY_NUMBERS][BATCH];
+  double x[BATCH], y[BATCH], z[BATCH], p[BATCH], q[BATCH], xx[BATCH], xy[BATCH], yy[BATCH];
+  double f[BATCH], by_z[BATCH], by_p[BATCH], by_q[BATCH], by_u[BATCH], by_v[BATCH];
+  double by_radius[BATCH], by_height[BATCH], slope[BATCH];
+};
+
+/* The square of the cornea that a sample's ray starts from. */
+static size_t tile_of(const placido_sample *s) {
+  int at[2];
+  for (int axis = 0; axis < 2; axis++) {
+    double x_mm = s->ray.origin[axis] + s->t * s->ray.direction[axis];
+    at[axis] = (int)fmax(0, fmin(TILES - 1, x_mm / TILE_MM + TILES / 2));
+  }
+  return (size_t)(at[1] * TILES + at[0]);
+}
+
+/* Counting sort of the samples by square. */
+static void find_order(size_t *order, const placido_sample *samples, size_t count) {
+  size_t starts[TILES * TILES + 1] = {0};
+  for (size_t i = 0; i < count; i++) {
+    starts[tile_of(&samples[i]) + 1]++;
+  }
+  for (size_t k = 0; k < TILES * TILES; k++) {
+    starts[k + 1] += starts[k];
+  }
+  for (size_t i = 0; i < count; i++) {
+    order[starts[tile_of(&samples[i])]++] = i;
+  }
+}
+
+static void copy_ray(placido_bundle *bundle, size_t i, const placido_sample *s) {
+  const placido_ray *ray = &s->ray;
+  bool moves = ray->origin_u[0] != 0 || ray->origin_u[1] != 0;
+  const double *by_u = moves ? ray->origin_u : ray->direction_u;
+  const double *by_v = moves ? ray->origin_v : ray->direction_v;
+  const double values[] = {ray->origin[0],
+                           ray->origin[1],
+                           ray->direction[0],
+                           ray->direction[1],
+                           by_u[0],
+                           by_u[1],
+                           by_v[0],
+                           by_v[1],
+                           s->edge->radius_mm,
+                           s->edge->z_mm,
+                           s->noise,
+                           s->t};
+  for (size_t k = 0; k < sizeof values / sizeof values[0]; k++) {
+    bundle->numbers[k][i] = values[k];
+  }
+  bundle->used[i] = s->used;
+  bundle->origin_z_mm = ray->origin[2];
+  bundle->moves_origin = moves;
+}
+
+int placido_bundle_new(placido_bundle *bundle, placido_sample *samples, size_t count,
+                       placido_error *err) {
+  *bundle = (placido_bundle){.samples = samples, .count = count, .starts_room = 2};
+  double *block = placido_memory_new(count, PLACIDO_RAY_NUMBERS * sizeof *block, err);
+  bundle->numbers[0] = block;
+  bundle->sample = placido_memory_new(count, sizeof *bundle->sample, err);
+  bundle->used = placido_memory_new(count, sizeof *bundle->used, err);
+  bundle->chosen = placido_memory_new(count, sizeof *bundle->chosen, err);
+  bundle->cells = placido_memory_new(count, sizeof *bundle->cells, err);
+  bundle->order = placido_memory_new(count, sizeof *bundle->order, err);
+  bundle->starts = placido_memory_new(bundle->starts_room, sizeof *bundle->starts, err);
+  if (!block || !bundle->sample || !bundle->used || !bundle->chosen || !bundle->cells ||
+      !bundle->order || !bundle->starts) {
+    placido_bundle_free(bundle);
+    return PLACIDO_MEMORY;
+  }
+  for (int k = 0; k < PLACIDO_RAY_NUMBERS; k++) {
+    bundle->numbers[k] = block + (size_t)k * count;
+  }
+  find_order(bundle->sample, samples, count);
+  for (size_t i = 0; i < count; i++) {
+    copy_ray(bundle, i, &samples[bundle->sample[i]]);
+  }
+  return PLACIDO_OK;
+}
+
+void placido_bundle_free(placido_bundle *bundle) {
+  placido_memory_free(bundle->numbers[0]);
+  placido_memory_free(bundle->cells);
+  placido_memory_free(bundle->sample);
+  placido_memory_free(bundle->used);
+  placido_memory_free(bundle->chosen);
+  placido_memory_free(bundle->order);
+  placido_memory_free(bundle->starts);
+  *bundle = (placido_bundle){0};
+}
+
+static size_t cells_of(const placido_grid *grid) {
+  return grid ? (size_t)grid->cells * (size_t)grid->cells : 1;
+}
+
+int placido_bundle_fit_grid(placido_bundle *bundle, const placido_grid *grid, placido_error *err) {
+  size_t room = cells_of(grid) + 1;
+  if (room <= bundle->starts_room) {
+    return PLACIDO_OK;
+  }
+  size_t *starts = placido_memory_grow(bundle->starts, room, sizeof *starts, err);
+  if (!starts) {
+    return PLACIDO_MEMORY;
+  }
+  bundle->starts = starts;
+  bundle->starts_room = room;
+  return PLACIDO_OK;
+}
+
+/* Counting sort by cell of the rays that are chosen. */
+static void sort(placido_bundle *bundle, size_t cells) {
+  size_t *starts = bundle->starts;
+  memset(starts, 0, (cells + 1) * sizeof *starts);
+  for (size_t i = 0; i < bundle->count; i++) {
+    if (bundle->chosen[i]) {
+      starts[bundle->cells[i] + 1]++;
+    }
+  }
+  for (size_t c = 0; c < cells; c++) {
+    starts[c + 1] += starts[c];
+  }
+  for (size_t i = 0; i < bundle->count; i++) {
+    if (bundle->chosen[i]) {
+      bundle->order[starts[bundle->cells[i]]++] = i;
+    }
+  }
+  memmove(starts + 1, starts, cells * sizeof *starts);
+  starts[0] = 0;
+}
+
+/* The cell that a ray is asked in next, and its place there. Returns false outside the grid. */
+static bool find_place(placido_bundle *bundle, const placido_grid *grid, size_t i) {
+  double *const *numbers = bundle->numbers;
+  bundle->cells[i] = 0;
+  if (!grid) {
+    return true;
+  }
+  int column, row;
+  double t = numbers[PLACIDO_RAY_T][i];
+  double x = numbers[PLACIDO_RAY_ORIGIN_X][i] + t * numbers[PLACIDO_RAY_DIRECTION_X][i];
+  double y = numbers[PLACIDO_RAY_ORIGIN_Y][i] + t * numbers[PLACIDO_RAY_DIRECTION_Y][i];
+  if (!placido_grid_locate(grid, x, y, &column, &row, &numbers[PLACIDO_RAY_PLACE_X][i],
+                           &numbers[PLACIDO_RAY_PLACE_Y][i])) {
+    return false;
+  }
+  bundle->cells[i] = row * grid->cells + column;
+  return true;
+}
+
+static void gather(struct batch *b, const placido_bundle *bundle, const size_t *which) {
+  for (int k = 0; k <= PLACIDO_RAY_PLACE_Y; k++) {
+    if (k <= PLACIDO_RAY_T || k >= PLACIDO_RAY_PLACE_X) {
+      for (int i = 0; i < b->lanes; i++) {
+        b->in[k][i] = bundle->numbers[k][which[i < b->count ? i : b->count - 1]];
+      }
+    }
+  }
+}
+
+PLACIDO_WIDE static void add_base(struct batch *b, const placido_conicoid *base) {
+  const placido_conicoid k = *base;
+  for (int i = 0; i < b->lanes; i++) {
+    placido_hit hit = {.x = b->in[PLACIDO_RAY_ORIGIN_X][i] +
+                            b->in[PLACIDO_RAY_T][i] * b->in[PLACIDO_RAY_DIRECTION_X][i],
+                       .y = b->in[PLACIDO_RAY_ORIGIN_Y][i] +
+                            b->in[PLACIDO_RAY_T][i] * b->in[PLACIDO_RAY_DIRECTION_Y][i]};
+    placido_conicoid_at(&k, &hit);
+    b->x[i] = hit.x;
+    b->y[i] = hit.y;
+    b->z[i] = hit.z;
+    b->p[i] = hit.p;
+    b->q[i] = hit.q;
+    b->xx[i] = hit.xx;
+    b->xy[i] = hit.xy;
+    b->yy[i] = hit.yy;
+  }
+}
+
+/* The cell's polynomial and its derivatives by Horner's rule, in x inside, in y outside. */
+PLACIDO_WIDE static void add_spline(struct batch *b, const double polynomial[CELL], double knot_mm) {
+  double slope = 1 / knot_mm, bend = slope * slope;
+  for (int i = 0; i < b->lanes; i++) {
+    double x = b->in[PLACIDO_RAY_PLACE_X][i], y = b->in[PLACIDO_RAY_PLACE_Y][i];
+    double z = 0, zy = 0, zyy = 0, zx = 0, zxy = 0, zxx = 0;
+#pragma GCC unroll 6
+    for (int m = ORDER - 1; m >= 0; m--) {
+      const double *line = polynomial + m * ORDER;
+      double v = line[5], d = 0, dd = 0;
+#pragma GCC unroll 5
+      for (int n = ORDER - 2; n >= 0; n--) {
+        dd = dd * x + d;
+        d = d * x + v;
+        v = v * x + line[n];
+      }
+      zyy = zyy * y + zy;
+      zy = zy * y + z;
+      z = z * y + v;
+      zxy = zxy * y + zx;
+      zx = zx * y + d;
+      zxx = zxx * y + 2 * dd;
+    }
+    b->z[i] += z;
+    b->p[i] += slope * zx;
+    b->q[i] += slope * zy;
+    b->xx[i] += bend * zxx;
+    b->xy[i] += bend * zxy;
+    b->yy[i] += bend * 2 * zyy;
+  }
+}
+
+/* One step of Newton's along the rays, and the jet where they come to be. */
+PLACIDO_WIDE static void step(struct batch *b, double origin_z_mm) {
+  for (int i = 0; i < b->lanes; i++) {
+    double dx = b->in[PLACIDO_RAY_DIRECTION_X][i], dy = b->in[PLACIDO_RAY_DIRECTION_Y][i];
+    double over = origin_z_mm - b->in[PLACIDO_RAY_T][i] - b->z[i];
+    double dt = over / (1 + b->p[i] * dx + b->q[i] * dy);
+    double ax = dt * dx, ay = dt * dy;
+    b->in[PLACIDO_RAY_T][i] += dt;
+    b->x[i] += ax;
+    b->y[i] += ay;
+    b->z[i] = origin_z_mm - b->in[PLACIDO_RAY_T][i];
+    b->p[i] += b->xx[i] * ax + b->xy[i] * ay;
+    b->q[i] += b->xy[i] * ax + b->yy[i] * ay;
+    b->in[PLACIDO_RAY_ASIDE][i] = fabs(ax) + fabs(ay);
+  }
+}
+
+PLACIDO_WIDE static void mirror(struct batch *b, double origin_z_mm, bool moves_origin) {
+  double origin = moves_origin, direction = !moves_origin;
+  for (int i = 0; i < b->lanes; i++) {
+    double ux = b->in[PLACIDO_RAY_U_X][i], uy = b->in[PLACIDO_RAY_U_Y][i];
+    double vx = b->in[PLACIDO_RAY_V_X][i], vy = b->in[PLACIDO_RAY_V_Y][i];
+    placido_ray ray = {
+        .origin = {0, 0, origin_z_mm},
+        .direction = {b->in[PLACIDO_RAY_DIRECTION_X][i], b->in[PLACIDO_RAY_DIRECTION_Y][i], -1},
+        .origin_u = {origin * ux, origin * uy, 0},
+        .direction_u = {direction * ux, direction * uy, 0},
+        .origin_v = {origin * vx, origin * vy, 0},
+        .direction_v = {direction * vx, direction * vy, 0}};
+    placido_hit hit = {b->x[i], b->y[i], b->z[i], b->p[i], b->q[i], b->xx[i], b->xy[i], b->yy[i]};
+    placido_miss miss;
+    placido_mirror_miss_inside(&miss, &ray, &hit, b->in[PLACIDO_RAY_EDGE_RADIUS][i],
+                               b->in[PLACIDO_RAY_EDGE_Z][i]);
+    double slope = b->in[PLACIDO_RAY_NOISE][i] *
+                   sqrt(miss.by_u * miss.by_u + miss.by_v * miss.by_v);
+    double share = 1 / slope;
+    b->f[i] = miss.f;
+    b->by_z[i] = miss.by_z;
+    b->by_p[i] = miss.by_p;
+    b->by_q[i] = miss.by_q;
+    b->by_u[i] = miss.by_u;
+    b->by_v[i] = miss.by_v;
+    b->by_radius[i] = miss.by_radius;
+    b->by_height[i] = miss.by_height;
+    b->slope[i] = slope;
+    b->in[PLACIDO_RAY_RESIDUAL_PX][i] = miss.f * share;
+    b->in[PLACIDO_RAY_BY_Z][i] = miss.by_z * share;
+    b->in[PLACIDO_RAY_BY_P][i] = miss.by_p * share;
+    b->in[PLACIDO_RAY_BY_Q][i] = miss.by_q * share;
+  }
+}
+
+static void evaluate(struct batch *b, const placido_conicoid *base, const double *polynomial,
+                     double knot_mm, double origin_z_mm, bool moves_origin) {
+  add_base(b, base);
+  if (polynomial) {
+    add_spline(b, polynomial, knot_mm);
+  }
+  step(b, origin_z_mm);
+  mirror(b, origin_z_mm, moves_origin);
+}
+
+static void scatter(const struct batch *b, placido_bundle *bundle, const size_t *which) {
+  for (int k = PLACIDO_RAY_T; k < PLACIDO_RAY_NUMBERS; k++) {
+    if (k < PLACIDO_RAY_PLACE_X || k > PLACIDO_RAY_PLACE_Y) {
+      for (int i = 0; i < b->count; i++) {
+        bundle->numbers[k][which[i]] = b->in[k][i];
+      }
+    }
+  }
+}
+
+static void tell_batch(const struct batch *b, placido_bundle *bundle, const size_t *which,
+                       placido_spot spot) {
+  for (int i = 0; i < b->count; i++) {
+    placido_sample *s = &bundle->samples[bundle->sample[which[i]]];
+    s->hit = (placido_hit){b->x[i],  b->y[i],  b->z[i],  b->p[i],
+                           b->q[i],  b->xx[i], b->xy[i], b->yy[i]};
+    s->miss = (placido_miss){b->f[i],    b->by_z[i], b->by_p[i],      b->by_q[i],
+                             b->by_u[i], b->by_v[i], b->by_radius[i], b->by_height[i]};
+    s->slope = b->slope[i];
+    s->basis = spot;
+    s->basis.x = b->in[PLACIDO_RAY_PLACE_X][i];
+    s->basis.y = b->in[PLACIDO_RAY_PLACE_Y][i];
+    s->residual_px = b->in[PLACIDO_RAY_RESIDUAL_PX][i];
+  }
+}
+
+/* One evaluation of all rays that have been sorted: a step of theirs, or what is told of them. */
+static void evaluate_all(placido_bundle *bundle, const placido_target *target, bool tells,
+                         int threads) {
+  const placido_grid *grid = target->grid;
+  size_t cells = cells_of(grid);
+  double knot_mm = grid ? grid->knot_mm : 1;
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
+  for (size_t c = 0; c < cells; c++) {
+    struct batch batch;
+    double polynomial[CELL];
+    int column = grid ? (int)c % grid->cells : 0, row = grid ? (int)c / grid->cells : 0;
+    if (grid && bundle->starts[c] < bundle->starts[c + 1]) {
+      placido_grid_polynomial(grid, target->coefficients, column, row, polynomial);
+    }
+    for (size_t at = bundle->starts[c]; at < bundle->starts[c + 1]; at += BATCH) {
+      const size_t *which = bundle->order + at, left = bundle->starts[c + 1] - at;
+      batch.count = left < BATCH ? (int)left : BATCH;
+      batch.lanes = (batch.count + LANES - 1) / LANES * LANES;
+      gather(&batch, bundle, which);
+      evaluate(&batch, &target->base, grid ? polynomial : NULL, knot_mm,
+               bundle->origin_z_mm, bundle->moves_origin);
+      if (!tells) {
+        scatter(&batch, bundle, which);
+      } else {
+        const placido_spot spot = {.column = column, .row = row, .knot_mm = knot_mm};
+        tell_batch(&batch, bundle, which, spot);
+      }
+    }
+  }
+}
+
+void placido_bundle_hear(placido_bundle *bundle) {
+  static const int scaled[] = {PLACIDO_RAY_RESIDUAL_PX, PLACIDO_RAY_BY_Z, PLACIDO_RAY_BY_P,
+                               PLACIDO_RAY_BY_Q};
+  double *noise = bundle->numbers[PLACIDO_RAY_NOISE];
+  for (size_t i = 0; i < bundle->count; i++) {
+    const placido_sample *s = &bundle->samples[bundle->sample[i]];
+    bundle->used[i] = s->used;
+    for (size_t k = 0; k < sizeof scaled / sizeof scaled[0] && s->noise != noise[i]; k++) {
+      bundle->numbers[scaled[k]][i] *= noise[i] / s->noise;
+    }
+    noise[i] = s->noise;
+  }
+}
+
+/* Rays that missed before start anew. */
+static void begin(placido_bundle *bundle, const placido_grid *grid) {
+  for (size_t i = 0; i < bundle->count; i++) {
+    double *residual_px = &bundle->numbers[PLACIDO_RAY_RESIDUAL_PX][i];
+    if (isnan(*residual_px)) {
+      bundle->numbers[PLACIDO_RAY_T][i] = bundle->samples[bundle->sample[i]].t;
+    }
+    *residual_px = NAN;
+    bundle->chosen[i] = find_place(bundle, grid, i);
+  }
+}
+
+/* Chooses the rays that came so far that they have to ask the shape again, where they are now. */
+static bool choose_again(placido_bundle *bundle, const placido_grid *grid) {
+  bool any = false;
+  for (size_t i = 0; i < bundle->count; i++) {
+    if (bundle->chosen[i]) {
+      bool again = bundle->numbers[PLACIDO_RAY_ASIDE][i] > ASIDE_MM;
+      if (again) {
+        bundle->numbers[PLACIDO_RAY_RESIDUAL_PX][i] = NAN;
+      }
+      bundle->chosen[i] = again && find_place(bundle, grid, i);
+      any |= bundle->chosen[i];
+    }
+  }
+  return any;
+}
+
+void placido_bundle_trace(placido_bundle *bundle, const placido_target *target, int threads) {
+  bool open = true;
+  begin(bundle, target->grid);
+  for (int pass = 0; pass < PASSES_MAX && open; pass++) {
+    sort(bundle, cells_of(target->grid));
+    evaluate_all(bundle, target, false, threads);
+    open = choose_again(bundle, target->grid);
+  }
+}
+
+/* Whether a ray counts in the fit. */
+static bool counts(const placido_bundle *bundle, size_t i) {
+  return bundle->used[i] && !isnan(bundle->numbers[PLACIDO_RAY_RESIDUAL_PX][i]);
+}
+
+void placido_bundle_sort(placido_bundle *bundle, const placido_grid *grid) {
+  for (size_t i = 0; i < bundle->count; i++) {
+    bundle->chosen[i] = counts(bundle, i);
+  }
+  sort(bundle, cells_of(grid));
+}
+
+void placido_bundle_tell(const placido_bundle *bundle) {
+  double *const *numbers = bundle->numbers;
+  for (size_t i = 0; i < bundle->count; i++) {
+    placido_sample *s = &bundle->samples[bundle->sample[i]];
+    double t = numbers[PLACIDO_RAY_T][i];
+    s->residual_px = numbers[PLACIDO_RAY_RESIDUAL_PX][i];
+    if (!isnan(s->residual_px)) {
+      s->t = t;
+      s->hit.x = numbers[PLACIDO_RAY_ORIGIN_X][i] + t * numbers[PLACIDO_RAY_DIRECTION_X][i];
+      s->hit.y = numbers[PLACIDO_RAY_ORIGIN_Y][i] + t * numbers[PLACIDO_RAY_DIRECTION_Y][i];
+    }
+  }
+}
+
+void placido_bundle_tell_all(placido_bundle *bundle, const placido_target *target, int threads) {
+  placido_bundle_tell(bundle);
+  for (size_t i = 0; i < bundle->count; i++) {
+    bundle->chosen[i] = !isnan(bundle->numbers[PLACIDO_RAY_RESIDUAL_PX][i]) &&
+                        find_place(bundle, target->grid, i);
+  }
+  sort(bundle, cells_of(target->grid));
+  evaluate_all(bundle, target, true, threads);
+}

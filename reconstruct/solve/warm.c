@@ -1,0 +1,87 @@
+/* The earlier spline is taken over as it stands: knots are multiples of their spacing from the axis,
+ * so that a wider or narrower square has the same ones. */
+#include "reconstruct/solve/warm.h"
+
+#include "reconstruct/median.h"
+
+#include <math.h>
+
+/* From this near Gauss-Newton needs a step or two. An eye that moves by 0.1 mm between frames moves
+ * its mires by some 5 px; those of another eye are off by more. */
+#define NEAR_PX 8.0
+#define SHARE_LEAST 0.95 /* of the rays must meet the earlier surface */
+#define WORSE 1.25       /* times the earlier spread: not the same cornea, or other knots */
+
+/* Where the rays meet the earlier shape: their spread, which is INFINITY where too few do, and how
+ * far out they lie. */
+static double spread_of(const placido_bundle *rays, double *work, double *reach_mm) {
+  size_t met = 0;
+  placido_bundle_tell(rays);
+  *reach_mm = 0;
+  for (size_t i = 0; i < rays->count; i++) {
+    const placido_sample *s = &rays->samples[i];
+    if (!isnan(s->residual_px)) {
+      work[met++] = fabs(s->residual_px);
+      *reach_mm = fmax(*reach_mm, fmax(fabs(s->hit.x), fabs(s->hit.y)));
+    }
+  }
+  return (double)met < SHARE_LEAST * (double)rays->count
+             ? (double)INFINITY
+             : 1.4826 * placido_quantile(work, met, 0.5);
+}
+
+/* The earlier coefficients on a square of the same knots; beyond the earlier square the outermost
+ * ones go on. */
+static void take_over(double *coefficients, const placido_grid *grid, const placido_fit *start) {
+  int off = (grid->side - start->grid.side) / 2, last = start->grid.side - 1;
+  for (int j = 0; j < grid->side; j++) {
+    int row = j - off < 0 ? 0 : j - off > last ? last : j - off;
+    for (int i = 0; i < grid->side; i++) {
+      int column = i - off < 0 ? 0 : i - off > last ? last : i - off;
+      coefficients[j * grid->side + i] = -start->sags_mm[row * start->grid.side + column];
+    }
+  }
+}
+
+/* Refines from the earlier coefficients; status PLACIDO_QUALITY where that leads nowhere. */
+static int refine(placido_refinement *r, const placido_conicoid *base, const placido_grid *grid,
+                  const placido_fit *start, placido_bundle *rays,
+                  const placido_warm_options *options, placido_error *err) {
+  int status = placido_refinement_new(r, base, grid, rays, options->smoothing, options->steps_max,
+                                      options->threads, err);
+  if (!status) {
+    take_over(r->coefficients, grid, start);
+    status = placido_refinement_run(r, options->settled, err);
+  }
+  if (!status && r->sigma_px > WORSE * start->summary.sigma_px) {
+    status = PLACIDO_QUALITY;
+  }
+  return status;
+}
+
+int placido_warm_start(placido_refinement *r, placido_conicoid *base, placido_grid *grid,
+                       const placido_fit *start, placido_bundle *rays,
+                       const placido_warm_options *options, placido_error *err) {
+  placido_error ignored = {0};
+  double reach_mm;
+  *r = (placido_refinement){0};
+  *base = start->base;
+  base->apex_z_mm += options->axis_z_mm - start->axis_z_mm;
+  int status = placido_refinement_new(r, base, &start->grid, rays, options->smoothing,
+                                      options->steps_max, options->threads, err);
+  if (status) {
+    return status;
+  }
+  take_over(r->coefficients, &start->grid, start);
+  placido_refinement_trace(r);
+  double spread_px = spread_of(rays, r->work, &reach_mm);
+  placido_refinement_free(r);
+  *grid = placido_grid_covering(reach_mm + options->margin_mm, start->grid.knot_mm);
+  if (spread_px < NEAR_PX) {
+    status = refine(r, base, grid, start, rays, options, &ignored);
+    if (status) {
+      placido_refinement_free(r);
+    }
+  }
+  return status == PLACIDO_MEMORY ? placido_error_set(err, status, "%s", ignored.text) : PLACIDO_OK;
+}

@@ -1,0 +1,335 @@
+/* Optical paths over the pupil against the best reference sphere, and their Zernike terms.
+ *
+ * A plane wave comes along the axis. A ray that enters at P, at a depth d behind the surface's point
+ * on the axis, reaches the centre F of the reference sphere after the path d + n |F - P|; were all
+ * paths alike the light would meet at F. By Fermat's principle no refracted direction appears: the
+ * slope of the path over the surface is n times the angle between the refracted ray (Snell) and
+ * F - P (Born and Wolf, Principles of Optics, 3.3 and 5.1). F is found by Gauss-Newton in
+ * (x, y, 1 / depth), in which the paths are nearly linear. */
+#include <placido/wavefront.h>
+
+#include "base/memory.h"
+#include "simulate/eye.h"
+#include "simulate/trace.h"
+#include "simulate/wavefront.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { RINGS_MIN = 8, STEPS_MAX = 50 };
+
+static const double depth_min_mm = 5, depth_max_mm = 500;
+static const double usual_curvature = 1 / 7.8;
+static const double missing_worth_a_note = 0.001;
+
+static int settle(placido_wavefront *w, int *rings, placido_wavefront_options *settled,
+                  const placido_eye *eye, const placido_wavefront_options *options,
+                  placido_error *err) {
+  *settled = options ? *options : (placido_wavefront_options){0};
+  int status = placido_eye_settle(&w->eye, eye, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  settled->order = settled->order ? settled->order : 8;
+  settled->rays = settled->rays ? settled->rays : 768;
+  settled->missing_max = settled->missing_max != 0 ? settled->missing_max : 0.15;
+  if (settled->order < 2 || settled->order > PLACIDO_WAVEFRONT_ORDER_MAX) {
+    return placido_error_set(err, PLACIDO_INPUT, "terms of order %d, expected 2 to %d",
+                             settled->order, PLACIDO_WAVEFRONT_ORDER_MAX);
+  }
+  if (settled->rays < 3 * RINGS_MIN * RINGS_MIN || settled->rays > 1000000) {
+    return placido_error_set(err, PLACIDO_INPUT, "%d rays, expected %d to 1000000", settled->rays,
+                             3 * RINGS_MIN * RINGS_MIN);
+  }
+  if (!(settled->missing_max >= 0 && settled->missing_max < 1)) {
+    return placido_error_set(err, PLACIDO_INPUT, "a missing share of %g, expected 0 to below 1",
+                             settled->missing_max);
+  }
+  *rings = (int)ceil(sqrt(settled->rays / 3.0));
+  w->order = settled->order;
+  w->term_count = placido_zernike_count(settled->order);
+  w->count = 3 * (size_t)*rings * (size_t)*rings;
+  return PLACIDO_OK;
+}
+
+/* Depth of every entry behind the surface's point on the axis; PLACIDO_QUALITY where the surface is
+ * not defined on the axis or at a ray. */
+static int find_depths(double *depth_mm, const placido_wavefront *w,
+                       const placido_surface *surface, placido_error *err) {
+  placido_apex apex;
+  placido_entry entry;
+  int status = placido_apex_find(&apex, surface, &w->eye, err);
+  for (size_t i = 0; i < w->count && status == PLACIDO_OK; i++) {
+    if (!placido_entry_at(&entry, surface, &apex, w->x_mm[i], w->y_mm[i])) {
+      status = placido_error_set(err, PLACIDO_QUALITY,
+                                 "the surface, known to a radius of %.2f mm, does not fill the "
+                                 "pupil of %g mm about (%g, %g) mm",
+                                 placido_surface_radius_mm(surface), w->eye.pupil_mm,
+                                 w->eye.pupil_x_mm, w->eye.pupil_y_mm);
+    }
+    depth_mm[i] = entry.depth_mm;
+  }
+  return status;
+}
+
+/* Path of a ray to the reference sphere's centre, mm. */
+static double path_of(const placido_wavefront *w, double x_mm, double y_mm, double depth_mm) {
+  const placido_correction *lens = &w->eye.correction;
+  double rx = x_mm - w->eye.pupil_x_mm, ry = y_mm - w->eye.pupil_y_mm;
+  double bend = lens->m_D * (rx * rx + ry * ry) + lens->j0_D * (rx * rx - ry * ry) +
+                2 * lens->j45_D * rx * ry;
+  double dx = x_mm - w->focus_mm[0], dy = y_mm - w->focus_mm[1];
+  double dz = depth_mm - w->focus_mm[2];
+  return depth_mm + w->eye.index * sqrt(dx * dx + dy * dy + dz * dz) - bend / 2000;
+}
+
+static int chief_path(double *path_mm, const placido_wavefront *w, const placido_surface *surface,
+                      placido_error *err) {
+  placido_apex apex;
+  placido_entry chief;
+  int status = placido_apex_find(&apex, surface, &w->eye, err);
+  if (status == PLACIDO_OK) { /* the apex was found: the surface is defined here */
+    placido_entry_at(&chief, surface, &apex, w->eye.pupil_x_mm, w->eye.pupil_y_mm);
+    *path_mm = path_of(w, chief.x_mm, chief.y_mm, chief.depth_mm);
+  }
+  return status;
+}
+
+/* Solves the symmetric system of `count` (at most 3) unknowns in place by Cholesky's method; false
+ * where it is singular. */
+static bool solve(double matrix[3][3], double vector[3], int count) {
+  for (int j = 0; j < count; j++) {
+    double pivot = matrix[j][j];
+    for (int k = 0; k < j; k++) {
+      pivot -= matrix[j][k] * matrix[j][k];
+    }
+    if (!(pivot > 1e-12 * matrix[j][j])) {
+      return false;
+    }
+    matrix[j][j] = sqrt(pivot);
+    for (int i = j + 1; i < count; i++) {
+      for (int k = 0; k < j; k++) {
+        matrix[i][j] -= matrix[i][k] * matrix[j][k];
+      }
+      matrix[i][j] /= matrix[j][j];
+    }
+  }
+  for (int i = 0; i < count; i++) {
+    for (int k = 0; k < i; k++) {
+      vector[i] -= matrix[i][k] * vector[k];
+    }
+    vector[i] /= matrix[i][i];
+  }
+  for (int i = count - 1; i >= 0; i--) {
+    for (int k = i + 1; k < count; k++) {
+      vector[i] -= matrix[k][i] * vector[k];
+    }
+    vector[i] /= matrix[i][i];
+  }
+  return true;
+}
+
+/* One step towards the centre of least spread, in (x, y, 1 / depth) as far as `unknowns` goes. */
+static bool step_focus(placido_wavefront *w, const double *depth_mm, int unknowns,
+                       double step[3]) {
+  double mean[4] = {0}, square[3][3] = {{0}};
+  memset(step, 0, 3 * sizeof *step);
+  for (int pass = 0; pass < 2; pass++) { /* the means first: the paths' own piston is free */
+    for (size_t i = 0; i < w->count; i++) {
+      double d[3] = {w->focus_mm[0] - w->x_mm[i], w->focus_mm[1] - w->y_mm[i],
+                     w->focus_mm[2] - depth_mm[i]};
+      double slope = w->eye.index / sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+      double row[4] = {slope * d[0], slope * d[1],
+                       -slope * d[2] * w->focus_mm[2] * w->focus_mm[2],
+                       path_of(w, w->x_mm[i], w->y_mm[i], depth_mm[i])};
+      for (int j = 0; j < 4 && pass == 0; j++) {
+        mean[j] += w->weight[i] * row[j];
+      }
+      for (int j = 0; j < 3 && pass == 1; j++) {
+        step[j] -= w->weight[i] * (row[j] - mean[j]) * (row[3] - mean[3]);
+        for (int k = 0; k <= j; k++) {
+          square[j][k] += w->weight[i] * (row[j] - mean[j]) * (row[k] - mean[k]);
+        }
+      }
+    }
+  }
+  return solve(square, step, unknowns);
+}
+
+static int find_focus(placido_wavefront *w, const placido_surface *surface,
+                      const double *depth_mm, placido_error *err) {
+  placido_apex apex;
+  int status = placido_apex_find(&apex, surface, &w->eye, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  bool depth_open = w->eye.retina_mm == 0;
+  double curvature = apex.radius_mm > 4 && apex.radius_mm < 20 ? 1 / apex.radius_mm
+                                                              : usual_curvature;
+  w->focus_mm[0] = w->focus_mm[1] = 0;
+  w->focus_mm[2] = depth_open ? w->eye.index / ((w->eye.index - 1) * curvature)
+                              : w->eye.retina_mm;
+  bool found = false;
+  for (int k = 0; k < STEPS_MAX && !found; k++) {
+    double step[3];
+    if (!step_focus(w, depth_mm, depth_open ? 3 : 2, step)) {
+      break;
+    }
+    w->focus_mm[0] += step[0];
+    w->focus_mm[1] += step[1];
+    double vergence = 1 / w->focus_mm[2] + (depth_open ? step[2] : 0);
+    if (!(vergence > 1 / depth_max_mm && vergence < 1 / depth_min_mm)) {
+      break;
+    }
+    double change = fabs(1 / vergence - w->focus_mm[2]);
+    w->focus_mm[2] = depth_open ? 1 / vergence : w->eye.retina_mm;
+    found = hypot(step[0], step[1]) < 1e-9 && change < 1e-9;
+  }
+  w->eye.retina_mm = w->focus_mm[2];
+  return found ? PLACIDO_OK
+               : placido_error_set(err, PLACIDO_QUALITY,
+                                   "the light of this cornea has no focus %g to %g mm behind it",
+                                   depth_min_mm, depth_max_mm);
+}
+
+static int find_differences(double *opd_um, const placido_wavefront *w,
+                            const placido_surface *surface, const double *depth_mm,
+                            placido_error *err) {
+  double chief_mm;
+  int status = chief_path(&chief_mm, w, surface, err);
+  for (size_t i = 0; i < w->count && status == PLACIDO_OK; i++) {
+    opd_um[i] = 1e3 * (chief_mm - path_of(w, w->x_mm[i], w->y_mm[i], depth_mm[i]));
+  }
+  return status;
+}
+
+static void project(double coefficients_um[PLACIDO_WAVEFRONT_TERMS], const placido_wavefront *w,
+                    const double *opd_um) {
+  memset(coefficients_um, 0, PLACIDO_WAVEFRONT_TERMS * sizeof *coefficients_um);
+  for (int j = 0; j < w->term_count; j++) {
+    const double *term = w->terms + (size_t)j * w->count;
+    for (size_t i = 0; i < w->count; i++) {
+      coefficients_um[j] += w->weight[i] * term[i] * opd_um[i];
+    }
+  }
+}
+
+/* The terms being orthonormal, mean squares add up. */
+static void summarise(placido_wavefront *w) {
+  double square = 0, left = 0;
+  for (size_t i = 0; i < w->count; i++) {
+    double rest = w->opd_um[i], about_mean = w->opd_um[i] - w->coefficients_um[0];
+    for (int j = 0; j < w->term_count; j++) {
+      rest -= w->coefficients_um[j] * w->terms[(size_t)j * w->count + i];
+    }
+    square += w->weight[i] * about_mean * about_mean;
+    left += w->weight[i] * rest * rest;
+  }
+  w->rms_um = sqrt(square);
+  w->rest_um = sqrt(left);
+}
+
+static int check_missing(placido_wavefront *w, const placido_surface *surface,
+                         double missing_max, placido_notes *notes, placido_error *err) {
+  w->missing = 0;
+  for (size_t i = 0; i < w->count; i++) {
+    w->missing += placido_surface_covered(surface, w->x_mm[i], w->y_mm[i]) ? 0 : w->weight[i];
+  }
+  if (w->missing > missing_max) {
+    return placido_error_set(err, PLACIDO_QUALITY,
+                             "no data support %.0f %% of the pupil of %g mm, at most %.0f %% may "
+                             "be missing",
+                             100 * w->missing, w->eye.pupil_mm, 100 * missing_max);
+  }
+  if (w->missing > missing_worth_a_note) {
+    placido_notes_add(notes, "wavefront of the pupil of %g mm: %.1f %% of it has no data, and the "
+                      "surface's smooth continuation stands in", w->eye.pupil_mm,
+                      100 * w->missing);
+  }
+  return PLACIDO_OK;
+}
+
+static int allocate(placido_wavefront *w, double **depth_mm, placido_error *err) {
+  w->x_mm = placido_memory_new(w->count, sizeof(double), err);
+  w->y_mm = placido_memory_new(w->count, sizeof(double), err);
+  w->weight = placido_memory_new(w->count, sizeof(double), err);
+  w->opd_um = placido_memory_new(w->count, sizeof(double), err);
+  w->terms = placido_memory_new(w->count * (size_t)w->term_count, sizeof(double), err);
+  *depth_mm = placido_memory_new(w->count, sizeof(double), err);
+  bool whole = w->x_mm && w->y_mm && w->weight && w->opd_um && w->terms && *depth_mm;
+  return whole ? PLACIDO_OK : PLACIDO_MEMORY;
+}
+
+static void place_rays(placido_wavefront *w, int rings) {
+  placido_disc_quadrature(w->x_mm, w->y_mm, w->weight, rings);
+  placido_zernike_terms(w->terms, w->order, w->x_mm, w->y_mm, w->count);
+  for (size_t i = 0; i < w->count; i++) {
+    w->x_mm[i] = w->eye.pupil_x_mm + w->eye.pupil_mm / 2 * w->x_mm[i];
+    w->y_mm[i] = w->eye.pupil_y_mm + w->eye.pupil_mm / 2 * w->y_mm[i];
+  }
+}
+
+int placido_wavefront_new(placido_wavefront *wavefront, const placido_surface *surface,
+                          const placido_eye *eye, const placido_wavefront_options *options,
+                          placido_notes *notes, placido_error *err) {
+  *wavefront = (placido_wavefront){0};
+  placido_wavefront_options settled;
+  double *depth_mm = NULL;
+  int rings = 0, status = settle(wavefront, &rings, &settled, eye, options, err);
+  if (status == PLACIDO_OK) {
+    status = allocate(wavefront, &depth_mm, err);
+  }
+  if (status == PLACIDO_OK) {
+    place_rays(wavefront, rings);
+    status = find_depths(depth_mm, wavefront, surface, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = check_missing(wavefront, surface, settled.missing_max, notes, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = find_focus(wavefront, surface, depth_mm, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = find_differences(wavefront->opd_um, wavefront, surface, depth_mm, err);
+  }
+  placido_memory_free(depth_mm);
+  if (status != PLACIDO_OK) {
+    placido_wavefront_free(wavefront);
+    return status;
+  }
+  project(wavefront->coefficients_um, wavefront, wavefront->opd_um);
+  summarise(wavefront);
+  return PLACIDO_OK;
+}
+
+void placido_wavefront_free(placido_wavefront *wavefront) {
+  if (wavefront != NULL) {
+    placido_memory_free(wavefront->x_mm);
+    placido_memory_free(wavefront->y_mm);
+    placido_memory_free(wavefront->weight);
+    placido_memory_free(wavefront->opd_um);
+    placido_memory_free(wavefront->terms);
+    *wavefront = (placido_wavefront){0};
+  }
+}
+
+int placido_wavefront_again(double coefficients_um[PLACIDO_WAVEFRONT_TERMS],
+                            const placido_wavefront *wavefront, const placido_surface *surface,
+                            placido_error *err) {
+  double *depth_mm = placido_memory_new(wavefront->count, sizeof *depth_mm, err);
+  double *opd_um = placido_memory_new(wavefront->count, sizeof *opd_um, err);
+  int status = depth_mm && opd_um ? PLACIDO_OK : PLACIDO_MEMORY;
+  memset(coefficients_um, 0, PLACIDO_WAVEFRONT_TERMS * sizeof *coefficients_um);
+  if (status == PLACIDO_OK) {
+    status = find_depths(depth_mm, wavefront, surface, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = find_differences(opd_um, wavefront, surface, depth_mm, err);
+  }
+  if (status == PLACIDO_OK) {
+    project(coefficients_um, wavefront, opd_um);
+  }
+  placido_memory_free(depth_mm);
+  placido_memory_free(opd_um);
+  return status;
+}
