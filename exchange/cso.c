@@ -39,8 +39,9 @@ static int read_count(int *count, const placido_reader *reader, const char *valu
   double number;
   if (!placido_text_number(value, false, &number) || number != floor(number) || number < 1 ||
       number > most) {
-    return placido_reader_refuse(reader, err, "%s: \"%.40s\": a whole number from 1 to %d is expected",
-                                name, value, most);
+    return placido_reader_refuse(reader, err,
+                                 "%s: \"%.40s\": a whole number from 1 to %d is expected", name,
+                                 value, most);
   }
   *count = (int)number;
   return PLACIDO_OK;
@@ -107,8 +108,8 @@ static int read_header(placido_elevation *e, placido_reader *reader, char **firs
       status = read_count(&e->meridian_count, reader, value, "number of semi-meridians",
                           MERIDIANS_MAX, err);
     } else if ((value = value_of(line, "Dato misurato")) && strncmp(value, "Elev", 4) != 0) {
-      status = placido_reader_refuse(reader, err, "the data are \"%.40s\", elevations (\"Elevazioni\") "
-                                    "are expected", value);
+      status = placido_reader_refuse(
+          reader, err, "the data are \"%.40s\", elevations (\"Elevazioni\") are expected", value);
     } else {
       read_maker(&e->maker, line);
     }
@@ -130,8 +131,8 @@ static int read_numbers(double *values, int *places, size_t count, placido_reade
       continue;
     }
     if (got == count) {
-      return placido_reader_refuse(reader, err, "\"%.40s\" is one number too many: %zu are expected",
-                                  line, count);
+      return placido_reader_refuse(
+          reader, err, "\"%.40s\" is one number too many: %zu are expected", line, count);
     }
     if (!placido_text_number(line, true, &values[got])) {
       return placido_reader_refuse(reader, err, "\"%.40s\" is no number (mm, with a decimal comma)",

@@ -158,7 +158,8 @@ static int read_row(placido_elevation *e, size_t *room, const struct table *tabl
     return PLACIDO_OK;
   }
   if (!status && e->count == PLACIDO_ELEVATION_POINTS_MAX) {
-    status = placido_reader_refuse(reader, err, "more than %d points", PLACIDO_ELEVATION_POINTS_MAX);
+    status = placido_reader_refuse(reader, err, "more than %d points",
+                                   PLACIDO_ELEVATION_POINTS_MAX);
   }
   const placido_height point = {value[COLUMN_X], value[COLUMN_Y], value[COLUMN_Z]};
   return status ? status : placido_elevation_add(e, room, point, reader->line, err);
@@ -211,7 +212,8 @@ int placido_points_read(placido_elevation *elevation, placido_reader *reader,
     }
   }
   if (!status && !begun) {
-    status = placido_reader_refuse(reader, err, "the file is empty: a table of x, y and z is expected");
+    status = placido_reader_refuse(reader, err,
+                                   "the file is empty: a table of x, y and z is expected");
   }
   return status;
 }

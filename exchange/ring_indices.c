@@ -1,5 +1,5 @@
 /* Indices of an export of rings: the Placido indices of the rings themselves, and simulated
- * keratometry by the maker's rule in place of our own, so that it can be held against the header. */
+ * keratometry by the maker's rule in place of ours, so that it can be held against the header. */
 #include "exchange/rings.h"
 
 #include "base/memory.h"
@@ -16,8 +16,8 @@ static const struct {
   const char *help;
 } rows[] = {
     {"simk_flat_D", false,
-     "Simulated keratometry as the maker of the file has it: 337.5 over the mean axial radius on the "
-     "rings 6 to 10 of both halves of the flattest diameter."},
+     "Simulated keratometry as the maker of the file has it: 337.5 over the mean axial radius on "
+     "the rings 6 to 10 of both halves of the flattest diameter."},
     {"simk_flat_axis_deg", true,
      "Meridian of simk_flat_D, 0 to 180, from +x (right) towards +y (up)."},
     {"simk_steep_D", false,

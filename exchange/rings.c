@@ -1,7 +1,7 @@
 /* What a topographer's rings say beside the heights: their shapes, and keratometry by its maker's
  * rule. CSO's: 337.5 over the mean axial radius on the rings 6 to 10 of both halves of a diameter;
- * the flattest diameter and the one perpendicular to it. Found from published exports, whose headers
- * it reproduces to 0.04 D on average. */
+ * the flattest diameter and the one perpendicular to it. Found from published exports, whose
+ * headers it reproduces to 0.04 D on average. */
 #include "exchange/rings.h"
 
 #include "reconstruct/maps/kinds.h"

@@ -58,7 +58,8 @@ char *placido_reader_next(placido_reader *reader) {
   return placido_text_trim(line);
 }
 
-int placido_reader_refuse(const placido_reader *reader, placido_error *err, const char *format, ...) {
+int placido_reader_refuse(const placido_reader *reader, placido_error *err, const char *format,
+                          ...) {
   char text[400];
   va_list arguments;
   va_start(arguments, format);

@@ -24,7 +24,8 @@ char *placido_reader_next(placido_reader *reader);
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
-int placido_reader_refuse(const placido_reader *reader, placido_error *err, const char *format, ...);
+int placido_reader_refuse(const placido_reader *reader, placido_error *err, const char *format,
+                          ...);
 
 /* Cuts the blanks off both ends, in place; the result lies within `text`. */
 char *placido_text_trim(char *text);

@@ -1,32 +1,70 @@
-/* Hoare's selection (Commun. ACM 4:321, 1961). */
+/* Selection by partition about a pivot near the wanted element (Floyd and Rivest, Commun. ACM 18:165,
+ * 1975), without branches that a processor would have to guess. */
 #include "reconstruct/median.h"
 
 #include <math.h>
+
+#define FEW 32
+#define SAMPLE 31 /* elements that the pivot is taken from */
+
+static void sort(double *values, ptrdiff_t count) {
+  for (ptrdiff_t i = 1; i < count; i++) {
+    double value = values[i];
+    ptrdiff_t j = i;
+    for (; j > 0 && values[j - 1] > value; j--) {
+      values[j] = values[j - 1];
+    }
+    values[j] = value;
+  }
+}
+
+/* An element that should lie just on the wanted one's farther side from the nearer end, so that
+ * what is left is small. */
+static double pivot_of(const double *values, ptrdiff_t count, ptrdiff_t wanted) {
+  double some[SAMPLE];
+  for (ptrdiff_t i = 0; i < SAMPLE; i++) {
+    some[i] = values[i * (count - 1) / (SAMPLE - 1)];
+  }
+  sort(some, SAMPLE);
+  return some[wanted * (SAMPLE - 1) / (count - 1)];
+}
+
+/* Brings what is less than the pivot to the front; returns how many that are. With `equal` what
+ * equals it comes along. */
+static ptrdiff_t partition(double *values, ptrdiff_t count, double pivot, int equal) {
+  ptrdiff_t front = 0;
+  for (ptrdiff_t i = 0; i < count; i++) {
+    double value = values[i];
+    values[i] = values[front];
+    values[front] = value;
+    front += equal ? value <= pivot : value < pivot;
+  }
+  return front;
+}
 
 double placido_quantile(double *values, size_t count, double share) {
   if (!count) {
     return NAN;
   }
-  size_t wanted = (size_t)(share * (double)(count - 1));
-  ptrdiff_t low = 0, high = (ptrdiff_t)count - 1, k = (ptrdiff_t)wanted;
-  while (low < high) {
-    double pivot = values[k];
-    ptrdiff_t i = low, j = high;
-    while (i <= j) {
-      while (values[i] < pivot) {
-        i++;
-      }
-      while (pivot < values[j]) {
-        j--;
-      }
-      if (i <= j) {
-        double swap = values[i];
-        values[i++] = values[j];
-        values[j--] = swap;
-      }
+  ptrdiff_t left = (ptrdiff_t)count, wanted = (ptrdiff_t)(share * (double)(count - 1));
+  while (left > FEW) {
+    double pivot = pivot_of(values, left, wanted);
+    ptrdiff_t less = partition(values, left, pivot, 0);
+    if (wanted < less) {
+      left = less;
+      continue;
     }
-    low = j < k ? i : low;
-    high = k < i ? j : high;
+    values += less;
+    wanted -= less;
+    left -= less;
+    ptrdiff_t equal = partition(values, left, pivot, 1);
+    if (wanted < equal || equal == 0) { /* none at all: the pivot is no number */
+      return pivot;
+    }
+    values += equal;
+    wanted -= equal;
+    left -= equal;
   }
+  sort(values, left);
   return values[wanted];
 }

@@ -4,7 +4,10 @@
 #include "base/cv/cv.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/text.h"
+#include "report/reduce.h"
 
+#include <png.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -46,64 +49,73 @@ void placido_canvas_free(placido_canvas *canvas) {
   *canvas = (placido_canvas){0};
 }
 
-static const uint32_t *row_of(const placido_canvas *canvas, int y) {
-  const unsigned char *data = cairo_image_surface_get_data(canvas->surface);
-  size_t stride = (size_t)cairo_image_surface_get_stride(canvas->surface);
-  return (const uint32_t *)(const void *)(data + (size_t)y * stride);
-}
-
-/* Whether red, green and blue are alike everywhere: such a picture is a third as large. */
-static bool is_grey(const placido_canvas *canvas) {
-  for (int y = 0; y < canvas->height_px; y++) {
-    const uint32_t *row = row_of(canvas, y);
-    for (int x = 0; x < canvas->width_px; x++) {
-      if ((row[x] >> 8 & 0xffff) != (row[x] & 0xffff)) {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
-/* The bytes of all pixels: red, green and blue of each, or one where there is one channel. */
-static uint8_t *pack_pixels(const placido_canvas *canvas, int channels, placido_error *err) {
+/* Red, green, blue bytes of all pixels. */
+static uint8_t *pack_pixels(const placido_canvas *canvas, placido_error *err) {
   size_t width = (size_t)canvas->width_px, height = (size_t)canvas->height_px;
-  uint8_t *packed = placido_memory_new((size_t)channels * width, height, err);
+  uint8_t *packed = placido_memory_new(3 * width, height, err);
   if (packed == NULL) {
     return NULL;
   }
+  cairo_surface_flush(canvas->surface);
+  const unsigned char *data = cairo_image_surface_get_data(canvas->surface);
+  size_t stride = (size_t)cairo_image_surface_get_stride(canvas->surface);
   uint8_t *out = packed;
-  for (int y = 0; y < canvas->height_px; y++) {
-    const uint32_t *row = row_of(canvas, y);
-    for (int x = 0; x < canvas->width_px; x++) {
-      for (int shift = 8 * (channels - 1); shift >= 0; shift -= 8) {
-        *out++ = (uint8_t)(row[x] >> shift);
-      }
+  for (size_t y = 0; y < height; y++) {
+    const uint32_t *row = (const uint32_t *)(const void *)(data + y * stride);
+    for (size_t x = 0; x < width; x++) {
+      *out++ = (uint8_t)(row[x] >> 16);
+      *out++ = (uint8_t)(row[x] >> 8);
+      *out++ = (uint8_t)row[x];
     }
   }
   return packed;
 }
 
-/* OpenCV's PNG settings take a fifth of the time of cairo's for pictures that are half as large
- * again. */
-int placido_canvas_save(const placido_canvas *canvas, const char *path, placido_error *err) {
-  int status = check(cairo_status(canvas->cr), err);
-  if (status != PLACIDO_OK) {
-    return status;
-  }
-  cairo_surface_flush(canvas->surface);
-  int channels = is_grey(canvas) ? 1 : 3;
-  uint8_t *packed = pack_pixels(canvas, channels, err);
+static int write_colours(const placido_canvas *canvas, const placido_file *file,
+                         placido_error *err) {
+  uint8_t *packed = pack_pixels(canvas, err);
   if (packed == NULL) {
     return PLACIDO_MEMORY;
   }
-  placido_file file = {0};
-  status = placido_file_create(&file, path, err);
-  if (status == PLACIDO_OK) {
-    status = placido_cv_save_png(packed, canvas->width_px, canvas->height_px, channels, 8,
-                                 (size_t)channels * (size_t)canvas->width_px, file.temporary, err);
-  }
+  int status = placido_cv_save_png(packed, canvas->width_px, canvas->height_px, 3, 8,
+                                   3 * (size_t)canvas->width_px, file->temporary, err);
   placido_memory_free(packed);
+  return status;
+}
+
+/* OpenCV writes no palettes. */
+static int write_palette(const placido_canvas *canvas, const placido_reduced *reduced,
+                         const placido_file *file, placido_error *err) {
+  png_image image = {.version = PNG_IMAGE_VERSION,
+                     .width = (png_uint_32)canvas->width_px,
+                     .height = (png_uint_32)canvas->height_px,
+                     .format = PNG_FORMAT_RGB_COLORMAP,
+                     .colormap_entries = (png_uint_32)reduced->count};
+  if (!png_image_write_to_stdio(&image, file->stream, 0, reduced->indices, canvas->width_px,
+                                reduced->colours)) {
+    return placido_error_set(err, PLACIDO_SYSTEM, "cannot write %s: %s",
+                             placido_text_tail(file->path), image.message);
+  }
+  return PLACIDO_OK;
+}
+
+/* Most figures have few colours, and are a fifth as large with a palette. For the others OpenCV's
+ * PNG settings take a fifth of the time of cairo's for pictures that are half as large again. */
+int placido_canvas_save(const placido_canvas *canvas, const char *path, placido_error *err) {
+  placido_reduced reduced = {0};
+  placido_file file = {0};
+  int status = check(cairo_status(canvas->cr), err);
+  if (status == PLACIDO_OK) {
+    status = placido_reduce(&reduced, canvas, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = placido_file_create(&file, path, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = reduced.count > 0 ? write_palette(canvas, &reduced, &file, err)
+                               : write_colours(canvas, &file, err);
+  }
+  placido_reduced_free(&reduced);
   if (status != PLACIDO_OK) {
     placido_file_discard(&file);
     return status;

@@ -22,7 +22,6 @@ typedef struct placido_report_comparison {
   const placido_notes *notes;
 } placido_report_comparison;
 
-
 /* Writes folder/compare.html with the pictures folder/maps/NAME.png embedded. */
 int placido_report_comparison_write(const placido_report_comparison *report, const char *folder,
                                     placido_error *err);

@@ -131,6 +131,7 @@ static void draw_legend(const placido_canvas *canvas, const placido_scale *scale
       placido_canvas_text(canvas, left + 26, y + height / 2, small_px, PLACIDO_LEFT, false, text);
     }
   }
+  placido_canvas_ink(canvas, black);
   placido_canvas_text(canvas, left, TOP - 22, small_px, PLACIDO_LEFT, false, "µm");
 }
 

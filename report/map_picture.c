@@ -93,7 +93,7 @@ static placido_rgb mark_doubt(placido_rgb colour, const placido_map_field *doubt
   if (border) {
     return (placido_rgb){0.1, 0.1, 0.1};
   }
-  if (!here || (i + j) % (9 * FINE) >= FINE) {
+  if (!here || (i + doubt->size - j) % (9 * FINE) >= FINE) {
     return colour;
   }
   return (placido_rgb){0.45 * colour.r, 0.45 * colour.g, 0.45 * colour.b};
@@ -305,7 +305,7 @@ static void draw_box(const sheet *s) {
   placido_canvas_scale_bar(&s->canvas, LEFT + 14, TOP + BOX - 16, s->px_per_mm, small_px, "1 mm");
 }
 
-/* Hatched as what is doubtful is. */
+/* Hatched as what is doubtful is, across what has no data. */
 static void hatch_doubt(const placido_canvas *canvas, double x, double y, double width,
                         double height) {
   cairo_t *cr = canvas->cr;
@@ -316,9 +316,9 @@ static void hatch_doubt(const placido_canvas *canvas, double x, double y, double
   cairo_stroke_preserve(cr);
   cairo_clip(cr);
   cairo_set_source_rgb(cr, 0.45, 0.45, 0.45);
-  for (double from = x; from < x + width + height; from += 9) {
+  for (double from = x - height; from < x + width; from += 9) {
     cairo_move_to(cr, from, y);
-    cairo_line_to(cr, from - height, y + height);
+    cairo_line_to(cr, from + height, y + height);
   }
   cairo_stroke(cr);
   cairo_restore(cr);

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define MEASURE_DECIMALS_MAX 5 /* nothing here is known, or of use, beyond */
+
 void placido_number_write(char *text, size_t size, double value, int decimals) {
   if (!isfinite(value) || fabs(value) >= 1e15) { /* no quantity here is that large */
     snprintf(text, size, isfinite(value) ? "%.3g" : "–", value);
@@ -35,11 +37,12 @@ void placido_number_measure(char *text, size_t size, double value, double sigma)
     placido_number_significant(text, size, value, 4);
     return;
   }
-  int decimals = decimals_of(sigma, 2);
+  int decimals = (int)fmin(decimals_of(sigma, 2), MEASURE_DECIMALS_MAX);
+  double least = pow(10, -MEASURE_DECIMALS_MAX);
   char middle[PLACIDO_NUMBER_SIZE], error[PLACIDO_NUMBER_SIZE];
   placido_number_write(middle, sizeof middle, value, decimals);
-  placido_number_write(error, sizeof error, sigma, decimals);
-  snprintf(text, size, "%s ± %s", middle, error);
+  placido_number_write(error, sizeof error, fmax(sigma, least), decimals);
+  snprintf(text, size, "%s ± %s%s", middle, sigma < least ? "<" : "", error);
 }
 
 const char *placido_unit_text(const char *unit) {

@@ -15,7 +15,8 @@ void placido_number_write(char *text, size_t size, double value, int decimals);
 void placido_number_significant(char *text, size_t size, double value, int digits);
 
 /* "43.27 ± 0.02": two significant digits of the standard deviation set the decimals; without one
- * (NaN or 0) the value has four significant digits. */
+ * (NaN or 0) the value has four significant digits. No more than five decimals: below that
+ * "100.00000 ± <0.00001". */
 void placido_number_measure(char *text, size_t size, double value, double sigma);
 
 /* A unit as it is written for people: "um" becomes "µm", "mm^-2" becomes "mm⁻²", "deg" becomes "°";

@@ -117,9 +117,13 @@ void placido_page_stages(FILE *stream, const placido_report *report) {
 static int write_sections(FILE *stream, const placido_report *report, placido_error *err) {
   placido_page_head(stream, report);
   placido_page_warnings(stream, report);
-  placido_page_indices(stream, report);
+  placido_page_indices(stream, report, true);
+  int status = placido_page_maps(stream, report, true, err);
   placido_page_budget(stream, report);
-  int status = placido_page_maps(stream, report, err);
+  placido_page_indices(stream, report, false);
+  if (status == PLACIDO_OK) {
+    status = placido_page_maps(stream, report, false, err);
+  }
   if (status == PLACIDO_OK) {
     status = placido_page_wavefront(stream, report, err);
   }

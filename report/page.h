@@ -5,6 +5,7 @@
 
 #include "report/report.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 
 /* The style sheet: readable on a screen, and on A4. */
@@ -18,9 +19,11 @@ void placido_page_end(FILE *stream);
 void placido_page_head(FILE *stream, const placido_report *report);
 void placido_page_warnings(FILE *stream, const placido_report *report);
 void placido_page_budget(FILE *stream, const placido_report *report);
-void placido_page_indices(FILE *stream, const placido_report *report);
+/* The key groups of indices, or the others. */
+void placido_page_indices(FILE *stream, const placido_report *report, bool key);
 int placido_page_capture(FILE *stream, const placido_report *report, placido_error *err);
-int placido_page_maps(FILE *stream, const placido_report *report, placido_error *err);
+/* The main maps, or the others and their uncertainty. */
+int placido_page_maps(FILE *stream, const placido_report *report, bool main_ones, placido_error *err);
 int placido_page_wavefront(FILE *stream, const placido_report *report, placido_error *err);
 int placido_page_pupils(FILE *stream, const placido_report *report, placido_error *err);
 

@@ -32,9 +32,8 @@ static void write_number(FILE *stream, double value, int decimals) {
 
 static void write_exam(FILE *stream, const placido_report_comparison *report, int k) {
   char text[1024];
-  snprintf(text, sizeof text, "%.600s%s%s%s%s", report->names[k],
-           report->eyes[k][0] ? ", " : "", report->eyes[k], report->created[k][0] ? ", " : "",
-           report->created[k]);
+  snprintf(text, sizeof text, "%.600s%s%s%s%s", report->names[k], report->eyes[k][0] ? ", " : "",
+           report->eyes[k], report->created[k][0] ? ", " : "", report->created[k]);
   placido_html_row(stream, k == 0 ? "First exam" : "Second exam", text);
 }
 
@@ -95,7 +94,8 @@ static void write_zones(FILE *stream, const placido_difference *difference) {
         "<thead><tr><th scope=\"col\">Map</th><th scope=\"col\">Zone</th><th scope=\"col\" "
         "class=\"number\">Mean</th><th scope=\"col\" class=\"number\">2 SD</th><th scope=\"col\" "
         "class=\"number\">Largest</th><th scope=\"col\" class=\"number\">% significant</th>"
-        "<th scope=\"col\">Unit</th></tr></thead>\n<tbody>\n", stream);
+        "<th scope=\"col\">Unit</th></tr></thead>\n<tbody>\n",
+        stream);
   for (int k = 0; k < PLACIDO_DIFFERENCES; k++) {
     for (int z = 0; z < PLACIDO_DIFFERENCE_ZONES; z++) {
       write_zone(stream, difference, k, z);
@@ -116,14 +116,17 @@ static void write_change(FILE *stream, const placido_report_change *change) {
   bool known = isfinite(change->difference) && isfinite(change->sigma);
   bool significant = known && fabs(change->difference) > 2 * change->sigma;
   fprintf(stream, "</td><td>%s</td></tr>\n",
-          significant ? "<strong>changed</strong>" : known ? "within 2 σ" : "");
+          significant ? "<strong>changed</strong>"
+          : known     ? "within 2 σ"
+                      : "");
 }
 
 static void write_changes(FILE *stream, const placido_report_comparison *report) {
   fputs("<section>\n<h2>Indices</h2>\n<table>\n<thead><tr><th scope=\"col\">Index</th>"
         "<th scope=\"col\" class=\"number\">First</th><th scope=\"col\" class=\"number\">Second"
         "</th><th scope=\"col\" class=\"number\">Difference ± 1 σ</th><th scope=\"col\">Unit</th>"
-        "<th scope=\"col\"></th></tr></thead>\n<tbody>\n", stream);
+        "<th scope=\"col\"></th></tr></thead>\n<tbody>\n",
+        stream);
   for (size_t k = 0; k < report->change_count; k++) {
     write_change(stream, &report->changes[k]);
   }
@@ -148,9 +151,11 @@ static void write_alignment(FILE *stream, const placido_alignment *a) {
           stream);
     return;
   }
-  placido_html_print(stream, "The second exam was moved onto the first at %zu points: from %.2f to "
+  placido_html_print(stream,
+                     "The second exam was moved onto the first at %zu points: from %.2f to "
                      "%.2f µm rms. What the shapes leave open is held by how far eyes usually "
-                     "move.", a->points, a->rms_before_um, a->rms_um);
+                     "move.",
+                     a->points, a->rms_before_um, a->rms_um);
   fputs("\n<table>\n<tbody>\n", stream);
   write_term(stream, "Shift x", a->terms[PLACIDO_SHIFT_X], a->sigmas[PLACIDO_SHIFT_X], "mm");
   write_term(stream, "Shift y", a->terms[PLACIDO_SHIFT_Y], a->sigmas[PLACIDO_SHIFT_Y], "mm");

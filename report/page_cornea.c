@@ -110,9 +110,11 @@ static int write_place(FILE *stream, const placido_report *report,
   return status;
 }
 
-int placido_page_maps(FILE *stream, const placido_report *report, placido_error *err) {
-  int status = PLACIDO_OK;
-  for (int place = 0; place < PLACIDO_PLACES && status == PLACIDO_OK; place++) {
+int placido_page_maps(FILE *stream, const placido_report *report, bool main_ones,
+                      placido_error *err) {
+  int status = PLACIDO_OK, first = main_ones ? PLACIDO_PLACE_MAIN : PLACIDO_PLACE_FURTHER;
+  int end = main_ones ? PLACIDO_PLACE_FURTHER : PLACIDO_PLACES;
+  for (int place = first; place < end && status == PLACIDO_OK; place++) {
     status = write_place(stream, report, (enum placido_report_place)place, err);
   }
   return status;

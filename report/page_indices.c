@@ -53,15 +53,16 @@ static const char *spelt(const spelling *table, size_t count, const char *plain)
 /* How the page orders the indices: by how their names begin. */
 static const struct {
   const char *heading;
+  bool key; /* stands before the maps */
   const char *beginnings[10];
 } groups[] = {
-    {"Keratometry", {"simk_", "min_k", "max_k", "central_k", "mean_axial"}},
-    {"Shape", {"asphericity", "apical", "shape_factor", "eccentricity", "best_fit", "vertex",
-               "max_tangential"}},
-    {"Keratoconus", {"inferior", "srax", "kisa", "clmi", "ppk", "dsi", "osi", "csi", "kpi"}},
-    {"Regularity", {"sai", "sri", "iai", "analysed"}},
-    {"Placido mires", {"placido"}},
-    {"Others", {""}},
+    {"Keratometry", true, {"simk_", "min_k", "max_k", "central_k", "mean_axial"}},
+    {"Keratoconus", true, {"inferior", "srax", "kisa", "clmi", "ppk", "dsi", "osi", "csi", "kpi"}},
+    {"Shape", false, {"asphericity", "apical", "shape_factor", "eccentricity", "best_fit",
+                      "vertex", "max_tangential"}},
+    {"Regularity", false, {"sai", "sri", "iai", "analysed"}},
+    {"Placido mires", false, {"placido"}},
+    {"Others", false, {""}},
 };
 
 /* The first group whose beginnings fit. */
@@ -156,17 +157,24 @@ static void write_group(FILE *stream, const placido_report *report, size_t group
   }
 }
 
-void placido_page_indices(FILE *stream, const placido_report *report) {
-  if (report->index_count == 0) {
+void placido_page_indices(FILE *stream, const placido_report *report, bool key) {
+  bool any = false;
+  for (size_t k = 0; k < report->index_count; k++) {
+    any = any || groups[group_of(report->indices[k].name)].key == key;
+  }
+  if (!any) {
     return;
   }
+  fprintf(stream, "<section>\n<h2>%s</h2>\n", key ? "Key figures" : "Further figures");
   fputs(
-      "<section>\n<h2>Key figures</h2>\n<table>\n<thead><tr><th scope=\"col\">Index</th>"
+      "<table class=\"figures\">\n<thead><tr><th scope=\"col\">Index</th>"
       "<th scope=\"col\" class=\"number\">Value ± 1 σ</th><th scope=\"col\">Unit</th>"
       "<th scope=\"col\">What it tells</th></tr></thead>\n<tbody>\n",
       stream);
   for (size_t group = 0; group < COUNT(groups); group++) {
-    write_group(stream, report, group);
+    if (groups[group].key == key) {
+      write_group(stream, report, group);
+    }
   }
   fputs("</tbody>\n</table>\n</section>\n", stream);
 }

@@ -34,6 +34,7 @@ const char placido_page_style[] =
     ".triple { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: .6rem .8rem;\n"
     "  align-items: start }\n"
     ".triple figcaption { font-size: .78em }\n"
+    ".figures th[scope=row] { min-width: 10rem }\n"
     ".group th { padding-top: .7rem; border-bottom: 2px solid #555; font-size: 1.05em }\n"
     ".captures { grid-template-columns: minmax(0, 1fr) minmax(0, 2fr) }\n"
     ".scenes img { border: 1px solid #bbb }\n"
@@ -45,7 +46,9 @@ const char placido_page_style[] =
     "  body { max-width: none; padding: 0; font-size: 9.5pt; line-height: 1.35 }\n"
     "  h1, h2 { break-after: avoid }\n"
     "  figure, table, tr, .banner, .warnings { break-inside: avoid }\n"
-    "  .maps img { max-height: 70mm; width: auto }\n"
+    "  .figures { break-inside: auto }\n"
+    "  .figures td, .figures th { padding-top: .1rem; padding-bottom: .1rem }\n"
+    "  .group { break-after: avoid }\n"    "  .maps img { max-height: 70mm; width: auto }\n"
     "  .scenes img { max-height: 90mm; width: auto }\n"
     "  .banner, .warnings { print-color-adjust: exact; -webkit-print-color-adjust: exact }\n"
     "}\n";

@@ -7,7 +7,7 @@
 #include <math.h>
 
 static void write_heads(FILE *stream, const placido_report *report) {
-  fputs("<table>\n<thead><tr><th scope=\"col\">Figure</th>", stream);
+  fputs("<table class=\"figures\">\n<thead><tr><th scope=\"col\">Figure</th>", stream);
   for (size_t i = 0; i < report->wavefront_count; i++) {
     fputs("<th scope=\"col\" class=\"number\">", stream);
     placido_html_print(stream, "%g mm ± 1 σ", report->wavefronts[i].front->eye.pupil_mm);

@@ -14,7 +14,8 @@ static int compare(const void *a, const void *b) {
 }
 
 static bool is_beside_hole(const placido_maps *maps, size_t k, double hole_mm) {
-  int i = (int)(k % (size_t)maps->size) - maps->half, j = (int)(k / (size_t)maps->size) - maps->half;
+  int i = (int)(k % (size_t)maps->size) - maps->half,
+      j = (int)(k / (size_t)maps->size) - maps->half;
   return hole_mm <= 0 || sqrt((double)(i * i + j * j)) * maps->step_mm > hole_mm;
 }
 

@@ -28,8 +28,8 @@ placido_scale placido_scale_of_kind(const placido_map_kind *kind, double low, do
 placido_scale placido_scale_for(const placido_map_kind *kind, enum placido_scale_mode mode,
                                 double low, double high);
 
-/* For a difference of values in `unit` (D or micrometres): about 0, the smallest of 0.1, 0.25, 0.5, 1
- * and 1.5 D or of 0.5, 1, 2, 5, 10 and 20 um whose window holds both, else the largest. */
+/* For a difference of values in `unit` (D or micrometres): about 0, the smallest of 0.1, 0.25, 0.5,
+ * 1 and 1.5 D or of 0.5, 1, 2, 5, 10 and 20 um whose window holds both, else the largest. */
 placido_scale placido_scale_of_difference(const char *unit, double low, double high);
 
 /* For a quantity from 0 to `high`: at most ten classes with a step of 1, 2 or 5 times a power of

@@ -88,9 +88,10 @@ static void print_alignment(const struct comparison *c) {
     say(c->settings, "not aligned");
     return;
   }
-  say(c->settings, "aligned at %zu points, %.3f to %.3f µm rms: shift %+.3f ± %.3f, %+.3f ± %.3f mm",
-      a->points, a->rms_before_um, a->rms_um, a->terms[PLACIDO_SHIFT_X],
-      a->sigmas[PLACIDO_SHIFT_X], a->terms[PLACIDO_SHIFT_Y], a->sigmas[PLACIDO_SHIFT_Y]);
+  say(c->settings,
+      "aligned at %zu points, %.3f to %.3f µm rms: shift %+.3f ± %.3f, %+.3f ± %.3f mm", a->points,
+      a->rms_before_um, a->rms_um, a->terms[PLACIDO_SHIFT_X], a->sigmas[PLACIDO_SHIFT_X],
+      a->terms[PLACIDO_SHIFT_Y], a->sigmas[PLACIDO_SHIFT_Y]);
   say(c->settings, "tilt %+.2f ± %.2f, %+.2f ± %.2f°, cyclotorsion %+.2f ± %.2f°",
       degrees * a->terms[PLACIDO_TILT_X], degrees * a->sigmas[PLACIDO_TILT_X],
       degrees * a->terms[PLACIDO_TILT_Y], degrees * a->sigmas[PLACIDO_TILT_Y],
@@ -98,8 +99,8 @@ static void print_alignment(const struct comparison *c) {
 }
 
 static void print_zones(const struct comparison *c) {
-  say(c->settings, "%-12s %-8s %9s %9s %9s %14s", "difference", "zone mm", "mean", "2 SD", "largest",
-      "significant %");
+  say(c->settings, "%-12s %-8s %9s %9s %9s %14s", "difference", "zone mm", "mean", "2 SD",
+      "largest", "significant %");
   for (int k = 0; k < PLACIDO_DIFFERENCES; k++) {
     for (int z = 0; z < PLACIDO_DIFFERENCE_ZONES; z++) {
       enum placido_difference_kind kind = (enum placido_difference_kind)k;

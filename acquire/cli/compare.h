@@ -43,7 +43,8 @@ struct comparison {
   placido_directory directory;
 };
 
-/* Reads an exam; a mirrored one has its indices mirrored, too. Refuses a directory that is no exam. */
+/* Reads an exam; a mirrored one has its indices mirrored, too. Refuses a directory that is no exam.
+ */
 int compared_exam_load(struct compared_exam *exam, const char *path, bool mirrored,
                        placido_notes *notes, placido_error *err);
 

@@ -155,9 +155,8 @@ void compared_indices_find(struct comparison *comparison) {
   for (size_t k = 0; k < first->index_count; k++) {
     const struct compared_index *a = &first->indices[k], *b = find_index(second, a);
     if (b) {
-      comparison->changes[comparison->change_count++] =
-          (struct compared_change){a->name,  a->unit,  a->value,
-                                   b->value, difference_of(a, b), hypot(a->sigma, b->sigma)};
+      comparison->changes[comparison->change_count++] = (struct compared_change){
+          a->name, a->unit, a->value, b->value, difference_of(a, b), hypot(a->sigma, b->sigma)};
     }
   }
 }

@@ -15,8 +15,8 @@ static int draw_maps(const struct comparison *comparison, placido_error *err) {
   char path[PLACIDO_PATH_MAX], name[64];
   int status = placido_path_join(path, folder, "maps", err);
   if (status == PLACIDO_OK && mkdir(path, 0777) != 0) {
-    status = placido_error_set(err, PLACIDO_SYSTEM, "%s: cannot be made: %s", path,
-                               strerror(errno));
+    status =
+        placido_error_set(err, PLACIDO_SYSTEM, "%s: cannot be made: %s", path, strerror(errno));
   }
   for (int k = 0; k < PLACIDO_DIFFERENCES && status == PLACIDO_OK; k++) {
     enum placido_difference_kind kind = (enum placido_difference_kind)k;
@@ -34,8 +34,8 @@ int comparison_draw(struct comparison *comparison, placido_error *err) {
   placido_report_change changes[COMPARE_INDICES_MAX];
   for (size_t k = 0; k < comparison->change_count; k++) {
     const struct compared_change *c = &comparison->changes[k];
-    changes[k] = (placido_report_change){c->name,   c->unit,       c->first,
-                                         c->second, c->difference, c->sigma};
+    changes[k] =
+        (placido_report_change){c->name, c->unit, c->first, c->second, c->difference, c->sigma};
   }
   const placido_report_comparison report = {.names = {exams[0].path, exams[1].path},
                                             .eyes = {exams[0].eye, exams[1].eye},

@@ -37,9 +37,9 @@ static json_t *build_alignment(const placido_alignment *a, bool *failed) {
     const char *name;
     enum placido_motion_term term;
     double unit;
-  } terms[] = {{"shift_x_mm", PLACIDO_SHIFT_X, 1},       {"shift_y_mm", PLACIDO_SHIFT_Y, 1},
-               {"piston_um", PLACIDO_PISTON, 1e3},       {"tilt_x_deg", PLACIDO_TILT_X, degrees},
-               {"tilt_y_deg", PLACIDO_TILT_Y, degrees},  {"torsion_deg", PLACIDO_TORSION, degrees}};
+  } terms[] = {{"shift_x_mm", PLACIDO_SHIFT_X, 1},      {"shift_y_mm", PLACIDO_SHIFT_Y, 1},
+               {"piston_um", PLACIDO_PISTON, 1e3},      {"tilt_x_deg", PLACIDO_TILT_X, degrees},
+               {"tilt_y_deg", PLACIDO_TILT_Y, degrees}, {"torsion_deg", PLACIDO_TORSION, degrees}};
   if (!a->aligned) {
     return json_null();
   }
@@ -79,9 +79,9 @@ static json_t *build_maps(const placido_difference *difference, bool *failed) {
     json_t *object = json_object(), *zones = json_array();
     put(object, failed, "unit", json_string(placido_difference_unit(kind)));
     for (int z = 0; z < PLACIDO_DIFFERENCE_ZONES; z++) {
-      *failed |= json_array_append_new(zones, build_zone(difference, kind,
-                                                         placido_difference_zone_mm(z),
-                                                         failed)) != 0;
+      *failed |=
+          json_array_append_new(
+              zones, build_zone(difference, kind, placido_difference_zone_mm(z), failed)) != 0;
     }
     put(object, failed, "zones", zones);
     put(maps, failed, placido_difference_name(kind), object);

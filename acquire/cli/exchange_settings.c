@@ -69,8 +69,8 @@ static int parse_subject(void *field, const struct option_row *row, const char *
 
 static const struct option_row import_rows[] = {
     {"output", 'o', "DIR", "Directory to write. It appears whole or not at all; an earlier result "
-     "of the same command is replaced, anything else is not touched.", offsetof(struct settings, output),
-     parse_text, 0, 0},
+     "of the same command is replaced, anything else is not touched.",
+     offsetof(struct settings, output), parse_text, 0, 0},
     {"unit", 0, "UNIT[,UNIT]", "Unit of a table whose header names none: mm or um, of x and y and "
      "of heights (default mm).", FIELD(reading), parse_unit, 0, 0},
     {"heights", 0, "up|down", "Whether heights grow towards the camera or into the eye (default: "

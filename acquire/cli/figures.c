@@ -11,15 +11,6 @@
 #define BUDGET_ZONE_MM 6 /* as in exam.json */
 #define CAPTURE_WIDTH_PX 640 /* of the picture in the report; the session keeps the frame */
 
-static const struct {
-  const char *name, *caption;
-} error_bars[] = {
-    {"sigma_z", "Standard deviation of elevation (µm): what edge noise, smoothing and the "
-                "cornea's distance leave open, and the instrument's geometry where its file tells."},
-    {"sigma_axial", "Standard deviation of axial curvature (D)."},
-};
-#define ERROR_BARS (sizeof error_bars / sizeof error_bars[0])
-
 static int draw_map(const struct examination *examination, size_t kind, size_t b,
                     const char *path, placido_error *err) {
   (void)b;
@@ -157,27 +148,45 @@ static void list_map(struct page *page, const char *name, enum placido_report_pl
       (placido_report_map){page->map_files[index], page->map_captions[index], place};
 }
 
-/* The maps that everyone looks at first. */
-static enum placido_report_place place_of(const char *name) {
-  static const char *const first[] = {"axial", "tangential", "elevation", "refractive"};
-  for (size_t i = 0; i < sizeof first / sizeof first[0]; i++) {
-    if (strcmp(name, first[i]) == 0) {
-      return PLACIDO_PLACE_MAIN;
-    }
+/* The maps that everyone looks at first, in that order. */
+static const char *const main_maps[] = {"axial", "tangential", "elevation", "refractive"};
+#define MAIN_MAPS (sizeof main_maps / sizeof main_maps[0])
+
+static bool is_main(const char *name) {
+  size_t i = 0;
+  while (i < MAIN_MAPS && strcmp(name, main_maps[i]) != 0) {
+    i++;
   }
-  return PLACIDO_PLACE_FURTHER;
+  return i < MAIN_MAPS;
+}
+
+static void list_kind(struct page *page, const placido_map_kind *kind,
+                      enum placido_report_place place) {
+  char caption[512];
+  snprintf(caption, sizeof caption, "%s: %s", kind->title, kind->help);
+  list_map(page, kind->name, place, caption);
 }
 
 static void list_maps(struct page *page) {
   size_t count;
   const placido_map_kind *kinds = placido_map_kinds(&count);
-  for (size_t i = 0; i < count; i++) {
-    char caption[512];
-    snprintf(caption, sizeof caption, "%s: %s", kinds[i].title, kinds[i].help);
-    list_map(page, kinds[i].name, place_of(kinds[i].name), caption);
+  for (size_t i = 0; i < MAIN_MAPS; i++) {
+    list_kind(page, &kinds[placido_maps_find(main_maps[i])], PLACIDO_PLACE_MAIN);
   }
-  for (size_t i = 0; i < ERROR_BARS; i++) {
-    list_map(page, error_bars[i].name, PLACIDO_PLACE_UNCERTAINTY, error_bars[i].caption);
+  for (size_t i = 0; i < count; i++) {
+    if (!is_main(kinds[i].name)) {
+      list_kind(page, &kinds[i], PLACIDO_PLACE_FURTHER);
+    }
+  }
+  list_map(page, "sigma_z", PLACIDO_PLACE_UNCERTAINTY,
+           "Height against its value on the axis: what edge noise, smoothing and the cornea's "
+           "distance leave open, and the instrument's geometry where its file tells.");
+  for (size_t i = 0; i < count; i++) {
+    if (!kinds[i].more) {
+      char name[64];
+      snprintf(name, sizeof name, "sigma_%s", kinds[i].name);
+      list_map(page, name, PLACIDO_PLACE_UNCERTAINTY, kinds[i].title);
+    }
   }
 }
 

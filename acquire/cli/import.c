@@ -64,8 +64,8 @@ static int run(const struct settings *settings, struct outcome *outcome, placido
   return examination_run(&recipe, settings, outcome, err);
 }
 
-static const struct option_group *const groups[] = {&options_import, &options_wavefront, &options_general,
-                                                    NULL};
+static const struct option_group *const groups[] = {&options_import, &options_wavefront,
+                                                    &options_general, NULL};
 
 const struct command command_import = {
     .name = "import",

@@ -29,6 +29,8 @@ struct live {
   placido_guide *guide;
   placido_frame frame;
   struct live_window *window; /* NULL: none */
+  struct live_topography *topography; /* the same */
+  struct live_cornea cornea;
   struct terminal terminal;
   struct live_moment moment;
   bool drains;   /* a live source: the newest frame is wanted, not every one */
@@ -86,11 +88,17 @@ static int open_all(struct live *live, placido_error *err) {
   if (status == PLACIDO_OK && live->settings->window) {
     status = open_window(live, err);
   }
+  if (status == PLACIDO_OK && live->settings->topography) {
+    status = live_topography_open(&live->topography, &live->instrument,
+                                  live->settings->axis_z.value_mm, err);
+    live->moment.cornea = &live->cornea;
+  }
   live->drains = live->device && is_live(live->device);
   return status;
 }
 
 static void close_all(struct live *live) {
+  live_topography_close(live->topography);
   live_window_close(live->window);
   placido_guide_free(live->guide);
   placido_frame_free(&live->frame);
@@ -144,6 +152,19 @@ static int show_text(struct live *live, placido_error *err) {
                                                  "standard output cannot be written");
 }
 
+/* Has the frame measured. Where every frame is judged, every one is waited for. */
+static int measure(struct live *live, placido_error *err) {
+  if (!live->topography) {
+    return PLACIDO_OK;
+  }
+  const int status = live_topography_give(live->topography, &live->frame, err);
+  if (status == PLACIDO_OK && !live->drains) {
+    live_topography_wait_measured(live->topography);
+  }
+  live_topography_latest(live->topography, &live->cornea);
+  return status;
+}
+
 static int look(struct live *live, placido_error *err) {
   struct live_moment *moment = &live->moment;
   const int64_t before_ns = placido_clock_now_ns();
@@ -152,6 +173,9 @@ static int look(struct live *live, placido_error *err) {
   moment->judged++;
   moment->seq = live->frame.seq;
   moment->t_ns = live->frame.t_ns;
+  if (status == PLACIDO_OK) {
+    status = measure(live, err);
+  }
   if (status == PLACIDO_OK) {
     status = show_text(live, err);
   }
@@ -207,6 +231,14 @@ static void tell(struct live *live) {
   json_object_set_new(result, "skipped", json_integer(moment->skipped));
   json_object_set_new(result, "lost", json_integer(lost));
   json_object_set_new(result, "damaged", json_integer(moment->damaged));
+  if (live->topography) {
+    live_topography_wait_measured(live->topography);
+    live_topography_latest(live->topography, &live->cornea);
+    json_object_set_new(result, "measured", json_integer(live->cornea.count));
+    json_object_set_new(result, "corneas", json_integer(live->cornea.corneas));
+    say(live->settings, "%ld frames measured, %ld with a surface", live->cornea.count,
+        live->cornea.corneas);
+  }
   live->outcome->result = result;
   live->outcome->has_json_lines = true;
   say(live->settings, "%ld frames judged, %ld skipped, %lld lost, %ld damaged", moment->judged,
@@ -241,6 +273,11 @@ static const struct option_row rows[] = {
      FIELD(instrument), parse_text, 0, 0},
     {"window", 0, NULL, "Show the picture in a window as well, with the mires that are seen.",
      FIELD(window), parse_switch, 0, 0},
+    {"topography", 0, NULL, "Measure the newest frame as well while the next ones are looked at: "
+     "keratometry in the line of text, the axial map in the window.", FIELD(topography),
+     parse_switch, 0, 0},
+    {"axis-z", 0, "Z", "With --topography: z of the cornea on the instrument's axis, mm (default "
+     "0).", FIELD(axis_z), parse_distance, -100, 100},
     {"frames", 0, "N", "End after so many frames.", FIELD(take.frames), parse_integer, 1, 2e9},
     {"for", 0, "SECONDS", "End after so long (default: at Ctrl-C, q, or the recording's end).",
      FIELD(for_s), parse_number, 0.001, 1e7},
@@ -261,7 +298,8 @@ const struct command command_live = {
         "      \"left 0.3 mm\": move the instrument to your left, as the picture has it\n"
         "  placido live \"u3v:?exposure_us=2000\" --instrument cone.json --window\n"
         "  placido live v4l2:/dev/video0 --instrument cone.json --json --for 10 > aim.jsonl\n"
-        "  placido live \"replay:eye.session?speed=1\"\n",
+        "  placido live \"replay:eye.session?speed=1\"\n"
+        "  placido live v4l2:/dev/video0 --instrument cone.json --window --topography\n",
     .groups = groups,
     .needs_word = "DEVICE (a device's URI; placido devices lists them)",
     .run = run,

@@ -8,6 +8,8 @@
 #include <string.h>
 
 #define BAR_WIDTH 31 /* odd, for a middle */
+#define BARS_WIDTH 76 /* of what stands among the bars: a terminal's line */
+#define LINE_BYTES 600
 
 /* A figure of the guidance. */
 struct figure {
@@ -46,6 +48,38 @@ const char *live_state_name(enum placido_guide_state state) {
   return names[state];
 }
 
+void live_describe_cornea(const struct live_cornea *cornea, char *text, size_t size) {
+  if (cornea->count == 0) {
+    snprintf(text, size, "not measured yet");
+  } else if (cornea->reason[0] != '\0') {
+    snprintf(text, size, "no topography: %s", cornea->reason);
+  } else if (isnan(cornea->flat_D)) {
+    snprintf(text, size, "no keratometry: too little of the middle is seen");
+  } else if (isnan(cornea->flat_axis_deg)) {
+    snprintf(text, size, "K %.2f D", cornea->flat_D);
+  } else {
+    snprintf(text, size, "K %.2f D @ %.0f, %.2f D @ %.0f, cylinder %.2f D", cornea->flat_D,
+             cornea->flat_axis_deg, cornea->steep_D, cornea->steep_axis_deg, cornea->cylinder_D);
+  }
+}
+
+static json_t *cornea_json(const struct live_cornea *cornea) {
+  json_t *object = json_object();
+  json_object_set_new(object, "measured", json_integer(cornea->count));
+  json_object_set_new(object, "sequence",
+                      cornea->count > 0 ? json_integer((json_int_t)cornea->seq) : json_null());
+  json_object_set_new(object, "simk_flat_D", placido_json_real(cornea->flat_D));
+  json_object_set_new(object, "simk_flat_axis_deg", placido_json_real(cornea->flat_axis_deg));
+  json_object_set_new(object, "simk_steep_D", placido_json_real(cornea->steep_D));
+  json_object_set_new(object, "simk_steep_axis_deg", placido_json_real(cornea->steep_axis_deg));
+  json_object_set_new(object, "simk_cylinder_D", placido_json_real(cornea->cylinder_D));
+  json_object_set_new(object, "refusal",
+                      cornea->reason[0] != '\0' ? json_string(cornea->reason) : json_null());
+  json_object_set_new(object, "measure_ms",
+                      placido_json_real(cornea->count > 0 ? cornea->measure_ms : (double)NAN));
+  return object;
+}
+
 json_t *live_json(const struct live_moment *moment) {
   json_t *row = json_object();
   json_object_set_new(row, "frame", json_integer(moment->judged - 1));
@@ -60,6 +94,9 @@ json_t *live_json(const struct live_moment *moment) {
   json_object_set_new(row, "v_px", placido_json_real(moment->guidance.v_px));
   json_object_set_new(row, "skipped", json_integer(moment->skipped));
   json_object_set_new(row, "look_ms", placido_json_real(moment->look_ms));
+  if (moment->cornea) {
+    json_object_set_new(row, "topography", cornea_json(moment->cornea));
+  }
   return row;
 }
 
@@ -77,7 +114,13 @@ void live_print_line(const struct live_moment *moment) {
     printf(" %s ", figures[i].name);
     print_value(value_of(moment, &figures[i]), figures[i].is_signed);
   }
-  printf("  %s\n", moment->guidance.instruction);
+  printf("  %s", moment->guidance.instruction);
+  if (moment->cornea) {
+    char text[LINE_BYTES];
+    live_describe_cornea(moment->cornea, text, sizeof text);
+    printf("  %s", text);
+  }
+  putchar('\n');
 }
 
 /* "[        |##      ]" or "[####     ]"; nothing in it where the value is not known. */
@@ -99,7 +142,7 @@ static void print_bar(double value, const struct figure *figure) {
 
 void live_print_bars(const struct live_moment *moment, const char *title, bool is_first) {
   if (!is_first) {
-    printf("\033[%zuA", FIGURE_COUNT + 3);
+    printf("\033[%zuA", FIGURE_COUNT + (moment->cornea ? 4 : 3));
   }
   printf("\r\033[K%.60s\n", title);
   printf("\033[K%-8s \033[1m%s\033[0m\n", live_state_name(moment->guidance.state),
@@ -111,6 +154,11 @@ void live_print_bars(const struct live_moment *moment, const char *title, bool i
     putchar(' ');
     print_value(value, figures[i].is_signed);
     printf(" %s\n", figures[i].unit);
+  }
+  if (moment->cornea) {
+    char text[LINE_BYTES];
+    live_describe_cornea(moment->cornea, text, sizeof text);
+    printf("\033[K%.*s\n", BARS_WIDTH, text);
   }
   printf("\033[Kframe %ld, %ld skipped, %.1f ms   (q ends)\n", moment->judged - 1, moment->skipped,
          moment->look_ms);

@@ -1,5 +1,5 @@
 /* The live view in a window: the frame, the mires' edges as they were seen, a cross at their
- * centre and one on the instrument's axis, bars, and the instruction. */
+ * centre and one on the instrument's axis, bars, the instruction, and the axial map. */
 #include "acquire/cli/live.h"
 #include "base/cv/window/window.h"
 #include "base/memory.h"
@@ -80,6 +80,39 @@ static void draw_bars(placido_window *window, const struct live_moment *moment, 
   }
 }
 
+/* Blue is flat and red steep, in steps of 1.5 D about 43.5 D (ISO 19980 has steps of 0.5, 1.0 and
+ * 1.5 D). */
+static placido_window_ink ink_of(double power_D) {
+  static const placido_window_ink steps[] = {{30, 40, 130},  {40, 90, 190},  {60, 160, 220},
+                                             {90, 200, 170}, {110, 200, 90}, {220, 210, 70},
+                                             {240, 150, 50}, {220, 70, 50},  {150, 30, 60}};
+  const int count = sizeof steps / sizeof steps[0];
+  const int step = (int)floor((power_D - 43.5) / 1.5 + 0.5 * count);
+  return steps[step < 0 ? 0 : step < count ? step : count - 1];
+}
+
+static void draw_map(placido_window *window, const struct live_cornea *cornea, double right_px,
+                     double unit_px) {
+  const double cell_px = 14 * unit_px / LIVE_MAP_SIDE;
+  const double left_px = right_px - 15 * unit_px, bottom_px = 15 * unit_px;
+  for (int k = 0; k < LIVE_MAP_SIDE * LIVE_MAP_SIDE; k++) {
+    const double corner[2] = {left_px + k % LIVE_MAP_SIDE * cell_px,
+                              bottom_px - (k / LIVE_MAP_SIDE + 1) * cell_px};
+    if (!isnan(cornea->axial_D[k])) {
+      placido_window_box(window, corner, cell_px, cell_px, ink_of((double)cornea->axial_D[k]));
+    }
+  }
+}
+
+static void draw_cornea(placido_window *window, const struct live_cornea *cornea, double right_px,
+                        double unit_px) {
+  char text[128];
+  const double foot[2] = {unit_px, 5.2 * unit_px};
+  live_describe_cornea(cornea, text, sizeof text);
+  placido_window_text(window, foot, 0.7 * unit_px, text, white);
+  draw_map(window, cornea, right_px, unit_px);
+}
+
 static void draw_words(placido_window *window, const struct live_moment *moment, double unit_px) {
   char text[128];
   const double head[2] = {unit_px, 2.4 * unit_px}, below[2] = {unit_px, 4 * unit_px};
@@ -103,6 +136,9 @@ int live_window_show(struct live_window *window, const placido_frame *frame,
   draw_mires(window->window, guide, moment, unit_px);
   draw_bars(window->window, moment, frame->height_px - unit_px, unit_px);
   draw_words(window->window, moment, unit_px);
+  if (moment->cornea) {
+    draw_cornea(window->window, moment->cornea, frame->width_px, unit_px);
+  }
   int key;
   status = placido_window_show(window->window, &key, err);
   return status == PLACIDO_OK && (key == 'q' || key == KEY_ESCAPE) ? PLACIDO_END : status;

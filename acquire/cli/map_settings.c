@@ -23,18 +23,24 @@ static int parse_scale(void *field, const struct option_row *row, const char *te
 }
 
 static const struct option_row map_rows[] = {
-    {"zone", 0, "MM", "Diameter of the zone that elevation's sphere, conicoid and toric conicoid "
-     "are fitted to, mm (default 8).", FIELD(maps.zone_mm), parse_number, 1, 20},
-    {"scale", 0, "NAME", "Colours of the maps' pictures: fixed (ISO 19980's steps about one value, "
+    {"zone", 0, "MM",
+     "Diameter of the zone that elevation's sphere, conicoid and toric conicoid "
+     "are fitted to, mm (default 8).",
+     FIELD(maps.zone_mm), parse_number, 1, 20},
+    {"scale", 0, "NAME",
+     "Colours of the maps' pictures: fixed (ISO 19980's steps about one value, "
      "the smallest that holds the map), absolute (the same for every eye) or adaptive (about the "
-     "map's own middle). Default fixed.", FIELD(maps.scale), parse_scale, 0, 0},
+     "map's own middle). Default fixed.",
+     FIELD(maps.scale), parse_scale, 0, 0},
 };
 
 static const struct option_row compare_rows[] = {
     {"mirror", 0, NULL, "Mirror the second exam, x to -x: a left eye against a right one.",
      FIELD(compare.mirror), parse_switch, 0, 0},
-    {"no-align", 0, NULL, "Compare the corneas as they stood before the instrument, without "
-     "moving the second onto the first.", FIELD(compare.no_align), parse_switch, 0, 0},
+    {"no-align", 0, NULL,
+     "Compare the corneas as they stood before the instrument, without "
+     "moving the second onto the first.",
+     FIELD(compare.no_align), parse_switch, 0, 0},
 };
 
 const struct option_group options_maps = {"Maps", map_rows, COUNT(map_rows)};

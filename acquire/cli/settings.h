@@ -72,7 +72,7 @@ struct settings {
   struct number_list iso_axis_z_mm;
 
   /* devices */
-  bool watch, window;
+  bool watch, window, topography;
 
   /* benchmarks */
   bool quick;

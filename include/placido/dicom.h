@@ -15,12 +15,12 @@ typedef struct placido_dicom_info {
   double step_mm;         /* between the points that are listed, 0.05 to 1 [0.25] */
 } placido_dicom_info;
 
-/* Writes axial power as a picture of 0.02 mm by 0.025 mm pixels with its palette, and at points of a square
- * grid axial, tangential and refractive power, elevation over the best-fit sphere and the wavefront
- * of the front surface, with simulated keratometry and indices, by way of DCMTK's dump2dcm and a
- * temporary name. Returns PLACIDO_OK, PLACIDO_INPUT (info makes no sense), PLACIDO_QUALITY (the map
- * lacks a figure that DICOM demands), PLACIDO_UNSUPPORTED (no dump2dcm), PLACIDO_SYSTEM,
- * PLACIDO_MEMORY. */
+/* Writes axial power as a picture of 0.02 mm by 0.025 mm pixels with its palette, and at points of
+ * a square grid axial, tangential and refractive power, elevation over the best-fit sphere and the
+ * wavefront of the front surface, with simulated keratometry and indices, by way of DCMTK's
+ * dump2dcm and a temporary name. Returns PLACIDO_OK, PLACIDO_INPUT (info makes no sense),
+ * PLACIDO_QUALITY (the map lacks a figure that DICOM demands), PLACIDO_UNSUPPORTED (no dump2dcm),
+ * PLACIDO_SYSTEM, PLACIDO_MEMORY. */
 int placido_dicom_save(const placido_surface *surface, const placido_dicom_info *info,
                        const char *path, placido_error *err);
 

@@ -8,7 +8,7 @@
 /* Whose error bars a difference needs. */
 enum placido_difference_kind {
   PLACIDO_DIFFERENCE_ELEVATION,  /* z, micrometres */
-  PLACIDO_DIFFERENCE_AXIAL,      /* dioptres, about the first eye's vertex */
+  PLACIDO_DIFFERENCE_AXIAL,      /* dioptres, each cornea's about its own vertex */
   PLACIDO_DIFFERENCE_TANGENTIAL, /* likewise */
   PLACIDO_DIFFERENCES
 };
@@ -36,15 +36,15 @@ void placido_measured_free(placido_measured *measured);
 enum placido_motion_term {
   PLACIDO_SHIFT_X, /* mm */
   PLACIDO_SHIFT_Y,
-  PLACIDO_PISTON,  /* mm, along z */
-  PLACIDO_TILT_X,  /* radians, about the x axis */
+  PLACIDO_PISTON, /* mm, along z */
+  PLACIDO_TILT_X, /* radians, about the x axis */
   PLACIDO_TILT_Y,
   PLACIDO_TORSION, /* about the z axis: cyclotorsion */
   PLACIDO_MOTION_TERMS
 };
 
 typedef struct placido_alignment {
-  bool aligned;  /* false: not asked for, all terms are 0 */
+  bool aligned; /* false: not asked for, all terms are 0 */
   double terms[PLACIDO_MOTION_TERMS];
   double sigmas[PLACIDO_MOTION_TERMS];
   double covariance[PLACIDO_MOTION_TERMS][PLACIDO_MOTION_TERMS];
@@ -55,12 +55,12 @@ typedef struct placido_alignment {
 } placido_alignment;
 
 /* Least squares of the difference in height over the part that both data support, weighted by both
- * error bars (and 0.02 micrometres, the spline's own, so that the axis, where the height is given, is no
- * anchor). What the shapes leave open (a sphere turned about its centre is the same sphere) is
- * held by what eyes do between two looks at one target: shifts of 0.5 mm, tilts of 3 degrees and
- * torsion of 5, one sigma each. Sigmas count what the error bars of neighbours share over
- * 0.5 mm once, and grow with the root of the reduced chi-square where that exceeds 1. Returns
- * PLACIDO_OK, PLACIDO_QUALITY (fewer than 500 common points, no convergence). */
+ * error bars (and 0.02 micrometres, the spline's own, so that no place is an anchor). What the
+ * shapes leave open (a sphere turned about its centre is the same sphere) is held by what eyes do
+ * between two looks at one target: shifts of 0.5 mm, tilts of 3 degrees and torsion of 5, one sigma
+ * each. Sigmas count what the error bars of neighbours share over 0.5 mm once, and grow with the
+ * root of the reduced chi-square where that exceeds 1. Returns PLACIDO_OK, PLACIDO_QUALITY (fewer
+ * than 500 common points, no convergence). */
 int placido_align(placido_alignment *alignment, const placido_measured *first,
                   const placido_measured *second, placido_error *err);
 
@@ -68,14 +68,15 @@ int placido_align(placido_alignment *alignment, const placido_measured *first,
 typedef struct placido_difference {
   double step_mm, radius_mm;
   int half, size;
-  double vertex_mm[2];   /* of the first, that curvatures are about; the axis where it has none */
-  unsigned char *valid;  /* size * size; 1 where data of both support a value */
+  double vertices_mm[2][2]; /* x, y of both, that curvatures are about; the axis where there is
+                               none */
+  unsigned char *valid;     /* size * size; 1 where data of both support a value */
   double *values[PLACIDO_DIFFERENCES], *sigmas[PLACIDO_DIFFERENCES]; /* NaN where not known */
 } placido_difference;
 
-/* The error bars are those of both corneas and of the alignment. Works on rows in parallel; the result does
- * not depend on the number of threads. Free with placido_difference_free. Returns PLACIDO_OK,
- * PLACIDO_QUALITY (no common point), PLACIDO_MEMORY. */
+/* The error bars are those of both corneas and of the alignment. Works on rows in parallel; the
+ * result does not depend on the number of threads. Free with placido_difference_free. Returns
+ * PLACIDO_OK, PLACIDO_QUALITY (no common point), PLACIDO_MEMORY. */
 int placido_difference_new(placido_difference *difference, const placido_measured *first,
                            const placido_measured *second, const placido_alignment *alignment,
                            placido_error *err);

@@ -54,7 +54,7 @@ void placido_elevation_free(placido_elevation *elevation);
 
 /* What the rings of a file give beside its heights, none where it has no rings: appends the Placido
  * indices to values[*count...], and puts simulated keratometry by the maker's rule (CSO: mean axial
- * radius on the rings 6 to 10) in place of ours, with the error bars of `fit`, the fit of the file's
+ * radius on the rings 6 to 10) in place of ours, with the error bars of `fit`, that of the file's
  * heights. Returns PLACIDO_OK or PLACIDO_MEMORY. */
 int placido_elevation_indices(placido_index_value values[PLACIDO_INDICES_MAX], size_t *count,
                               const placido_elevation *elevation, const placido_fit *fit,

@@ -4,8 +4,8 @@
 
 #include <placido/reconstruct.h>
 
-/* Sag = Σ coefficient · term over the disc about the instrument's axis: the numbers of a surface's
- * part `zernike` (docs/formats.md). */
+/* Sag = Σ coefficient · term over the disc about the instrument's axis: the numbers of a part
+ * `zernike` of a surface (docs/formats.md). */
 typedef struct placido_expansion {
   double radius_mm, vertex_z_mm; /* z = vertex_z_mm - sag */
   int order, count;              /* terms 0 to count - 1 */

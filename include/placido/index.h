@@ -42,9 +42,9 @@ typedef struct placido_mire_rings {
 } placido_mire_rings;
 
 /* Where a surface mirrors the bright mires that were seen all around: the middle between each one's
- * two edges, at equal angles about the vertex. A mire is complete where 85 % of its edges' points
- * were used by the fit and nowhere 15 degrees on end are missing. No ring where there is no vertex.
- */
+ * two edges, at equal angles about the vertex. A mire is complete where both edges were seen on 90
+ * % of the meridians, nowhere 15 degrees on end are missing, and the fit used 70 % of their points.
+ * No ring where there is no vertex. */
 void placido_mire_rings_find(placido_mire_rings *rings, const placido_surface *surface,
                              const placido_mires *mires, const placido_instrument *instrument);
 

@@ -17,9 +17,9 @@ typedef struct placido_sphere {
  * apex and C = [[c + d, e], [e, c - d]] its sag is u·Cu / (1 + sqrt(1 - p |Cu|²)): the `biconic` of
  * docs/formats.md with equal asphericities, without the axis that a symmetric one does not have. */
 typedef struct placido_conicoid_shape {
-  double x_mm, y_mm, z_mm;     /* apex */
+  double x_mm, y_mm, z_mm;       /* apex */
   double c_mm1, p, d_mm1, e_mm1; /* p = 1 + Q */
-  double zone_mm;              /* diameter of the zone it was fitted to */
+  double zone_mm;                /* diameter of the zone it was fitted to */
 } placido_conicoid_shape;
 
 /* What elevation is measured from. */
@@ -37,9 +37,9 @@ typedef struct placido_map_point {
   double axis_z_mm;      /* z of the surface at x = y = 0; NaN where it is not defined there */
   placido_sphere sphere; /* as references[PLACIDO_REFERENCE_SPHERE] */
   placido_conicoid_shape references[PLACIDO_REFERENCES]; /* of the elevation maps */
-  double vertex_mm[2];   /* x, y of the corneal vertex, where the slope is 0; NaN: none */
-  double index;          /* refractive index behind the cornea, for CWhatUC's maps */
-  double retina_mm;      /* from the cornea's point on the axis down to the fovea, on the axis, too */
+  double vertex_mm[2]; /* x, y of the corneal vertex, where the slope is 0; NaN: none */
+  double index;        /* refractive index behind the cornea, for CWhatUC's maps */
+  double retina_mm;    /* from the cornea's point on the axis down to the fovea, on the axis, too */
 } placido_map_point;
 
 /* What else of the whole surface a map depends on, for its error bar. */
@@ -74,23 +74,23 @@ const placido_map_kind *placido_map_kinds(size_t *count);
 typedef struct placido_maps_options {
   double zone_mm;   /* that the references of elevation are fitted to, a diameter, 1 to 20 [8] */
   double index;     /* behind the cornea, 1.01 to 2, for CWhatUC's maps [1.3375] */
-  double retina_mm; /* 5 to 200 [n R / (n - 1), the paraxial focus, with n the index and R the radius
-                       of the mean curvature of the central 3 mm] */
+  double retina_mm; /* 5 to 200 [n R / (n - 1), the paraxial focus, with n the index and R the
+                       radius of the mean curvature of the central 3 mm] */
 } placido_maps_options;
 
 /* All maps on one grid: point (i, j) at ((i - half) step, (j - half) step), j counted upwards. */
 typedef struct placido_maps {
   double step_mm;
-  double radius_mm;       /* of the surface: points beyond it are no part of the maps */
-  int half, size;         /* size = 2 half + 1 points a side */
-  placido_sphere sphere;  /* what elevation is measured from */
+  double radius_mm;      /* of the surface: points beyond it are no part of the maps */
+  int half, size;        /* size = 2 half + 1 points a side */
+  placido_sphere sphere; /* what elevation is measured from */
   placido_conicoid_shape references[PLACIDO_REFERENCES];
   double vertex_mm[2], index, retina_mm; /* as in placido_map_point; retina_mm as it was used */
-  unsigned char *valid;   /* size * size; 1 where the surface is defined and data support it */
-  double *z_mm;           /* the surface; NaN where invalid */
-  double **values; /* one array a kind, as placido_map_kinds orders them; NaN where invalid */
+  unsigned char *valid; /* size * size; 1 where the surface is defined and data support it */
+  double *z_mm;         /* the surface; NaN where invalid */
+  double **values;      /* one array a kind, as placido_map_kinds orders them; NaN where invalid */
   double **sigmas; /* their standard deviations, as `values`; NULL where the surface has no fit */
-  double *sigma_z_um;    /* of z against its value on the axis; NULL as above */
+  double *sigma_z_um;    /* as placido_fit_sigma_at; NULL as above */
   double *sigma_axial_D; /* one of `sigmas` */
 } placido_maps;
 

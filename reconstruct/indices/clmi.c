@@ -9,6 +9,9 @@
 #define STEP_MM 0.25 /* of the discs' centres outwards */
 #define DISTANCES 13 /* 0 to 3 mm, where a disc touches the zone's rim */
 #define DIRECTIONS 32
+#define FINE_MM 0.1 /* step of the refinements */
+#define REFINEMENTS 3
+#define PARTS 4 /* of an annulus: a disc's rim cuts it */
 #define STRIDE (PLACIDO_AZIMUTHS / DIRECTIONS)
 #define NO_CONE_D 1e-6 /* what stands out by less is rounding */
 
@@ -33,9 +36,13 @@ struct disc {
 };
 
 static struct disc disc_at(double distance_mm) {
-  struct disc disc = {.area = 0};
+  struct disc disc = {{0}, {0}, 0};
   for (int ring = 0; ring < PLACIDO_RINGS; ring++) {
-    disc.half[ring] = half_arc(placido_ring_radius(ring), distance_mm);
+    double r = placido_ring_radius(ring);
+    for (int i = 0; i < PARTS; i++) { /* the mean over the annulus that the ring stands for */
+      double part = r + ((i + 0.5) / PARTS - 0.5) * PLACIDO_RING_STEP_MM;
+      disc.half[ring] += half_arc(part, distance_mm) * part / r / PARTS;
+    }
     disc.weight[ring] = placido_ring_area(ring, 0, PLACIDO_ZONE_MAX_MM);
     disc.area += 2 * disc.half[ring] * disc.weight[ring];
   }
@@ -109,8 +116,34 @@ static struct place find_steepest(const placido_cornea *cornea) {
                         (best_direction + turn) * STRIDE};
 }
 
+static double mean_at(const placido_cornea *cornea, struct place place) {
+  struct disc disc = disc_at(place.distance_mm);
+  return mean_of(sum_disc(cornea, &disc, place.direction), disc.area);
+}
+
+/* Moves the disc to the top of the parabolas outwards and around it, so that the place does not
+ * depend on which of the steps it was found at. */
+static struct place refine(const placido_cornea *cornea, struct place place) {
+  double turn = FINE_MM / place.distance_mm / (2 * PI) * PLACIDO_AZIMUTHS;
+  struct place inner = {place.distance_mm - FINE_MM, place.direction};
+  struct place outer = {place.distance_mm + FINE_MM, place.direction};
+  struct place right = {place.distance_mm, place.direction - turn};
+  struct place left = {place.distance_mm, place.direction + turn};
+  if (!(inner.distance_mm > 0 && outer.distance_mm <= PLACIDO_ZONE_MAX_MM / 2 - DISC_MM)) {
+    return place;
+  }
+  double top = mean_at(cornea, place);
+  place.distance_mm +=
+      FINE_MM * placido_peak_offset(mean_at(cornea, inner), top, mean_at(cornea, outer));
+  place.direction += turn * placido_peak_offset(mean_at(cornea, right), top, mean_at(cornea, left));
+  return place;
+}
+
 static void measure(placido_cornea *cornea) {
   struct place place = find_steepest(cornea);
+  for (int i = 0; i < REFINEMENTS; i++) {
+    place = refine(cornea, place);
+  }
   struct disc disc = disc_at(place.distance_mm);
   struct sums zone = sum_zone(cornea);
   double m1 = stand_out(sum_disc(cornea, &disc, place.direction), disc.area, zone);

@@ -6,12 +6,12 @@
 #include <math.h>
 
 #define PI 3.14159265358979323846
-#define SHARE_MIN                                                                                  \
-  0.85 /* of an edge's meridians that the fit used: it drops whole arcs of doubt                   \
-        */
+#define SEEN_MIN 0.9 /* of an edge's meridians */
+#define USED_MIN 0.7 /* of its points: the fit drops whole arcs where it doubts */
 #define GAP_MAX_DEG 15.0
 #define SEARCH_MM 0.02    /* step of the first search outwards */
 #define NEIGHBOUR_MM 0.01 /* second point of the secant */
+#define SECANT_MM 1e-6    /* least distance of the secant's points */
 #define CLOSE_MM 1e-10
 #define STEPS_MAX 20
 
@@ -50,16 +50,18 @@ static double miss(const struct sight *sight, int edge, double r_mm) {
   return sqrt(px * px + py * py) - instrument->edges[edge].radius_mm * rz;
 }
 
-/* Secant steps from r; NaN where they lead nowhere. */
+/* Secant steps from r; NaN where they lead nowhere. Points too close to each other tell rounding,
+ * not the slope. */
 static double solve(const struct sight *sight, int edge, double r_mm, double *slope) {
   double last = r_mm + NEIGHBOUR_MM, last_miss = miss(sight, edge, last), r = r_mm;
   for (int step = 0; step < STEPS_MAX; step++) {
     double now = miss(sight, edge, r);
-    double by_mm = (now - last_miss) / (r - last);
+    if (fabs(r - last) > SECANT_MM) {
+      *slope = (now - last_miss) / (r - last);
+    }
     last = r;
     last_miss = now;
-    r -= now / by_mm;
-    *slope = by_mm;
+    r -= now / *slope;
     if (fabs(r - last) < CLOSE_MM) {
       return r;
     }
@@ -96,21 +98,22 @@ static bool trace(placido_mirrored *mirrored, int line, const placido_surface *s
   return true;
 }
 
-/* Whether the fit used the edge's points nearly all around. */
+/* Whether the edge was seen all around, and the fit believes most of it. */
 static bool is_complete(const placido_mires *mires, int edge) {
-  int used = 0;
+  int seen = 0, used = 0;
   double first = NAN, last = NAN, gap = 0;
   for (size_t i = 0; i < mires->count; i++) {
     const placido_mire_point *point = &mires->points[i];
-    if (point->edge == edge && point->used) {
-      used++;
+    if (point->edge == edge) {
+      seen++;
+      used += point->used;
       gap = fmax(gap, point->meridian_deg - last);
       first = isnan(first) ? point->meridian_deg : first;
       last = point->meridian_deg;
     }
   }
   gap = fmax(gap, first + 360 - last);
-  return used >= SHARE_MIN * mires->meridian_count && gap <= GAP_MAX_DEG;
+  return seen >= SEEN_MIN * mires->meridian_count && used >= USED_MIN * seen && gap <= GAP_MAX_DEG;
 }
 
 void placido_mirrored_find(placido_mirrored *mirrored, const placido_surface *surface,

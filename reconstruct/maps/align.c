@@ -31,8 +31,8 @@ static void answers(double row[TERMS], const placido_moved *moved, const placido
   const placido_jet *jet = &moved->jet;
   double dx = x - motion->shift_mm[0], dy = y - motion->shift_mm[1];
   double dz = moved->z_mm - motion->shift_mm[2];
-  const double all[TERMS] = {jet->sx,           jet->sy,           1, dy - jet->sy * dz,
-                             jet->sx * dz - dx, jet->sy * dx - jet->sx * dy};
+  const double all[TERMS] = {jet->sx,           jet->sy,           1,
+                             dy - jet->sy * dz, jet->sx * dz - dx, jet->sy * dx - jet->sx * dy};
   memcpy(row, all, sizeof all);
 }
 

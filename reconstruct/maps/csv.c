@@ -46,8 +46,8 @@ static void print_cell(FILE *stream, const double *values, size_t index) {
   }
 }
 
-static void print_points(FILE *stream, const placido_maps *maps,
-                         const placido_map_table *t, char (*positions)[NUMBER_BYTES]) {
+static void print_points(FILE *stream, const placido_maps *maps, const placido_map_table *t,
+                         char (*positions)[NUMBER_BYTES]) {
   for (int j = 0; j < maps->size; j++) {
     for (int i = 0; i < maps->size; i++) {
       double x = placido_maps_position(maps, i), y = placido_maps_position(maps, j);

@@ -22,10 +22,11 @@ void placido_map_table_add(placido_map_table *table, const char *prefix, const c
 int placido_map_table_save(const placido_map_table *table, const placido_maps *maps,
                            const char *path, placido_error *err);
 
-/* Reads columns of such a file. The grid is that of the file: `*half` receives its reach in steps of
- * `step_mm`, `values` a new array for every one of `count` names, (2 half + 1)² numbers each, NaN where a cell is empty
- * or a row is missing. Free with placido_memory_free. Refuses, naming file, line and column, a
- * column that is missing, a cell that is no number, a point beside the grid or further out than 20 mm. */
+/* Reads columns of such a file. The grid is that of the file: `*half` receives its reach in steps
+ * of `step_mm`, `values` a new array for every one of `count` names, (2 half + 1)² numbers each,
+ * NaN where a cell is empty or a row is missing. Free with placido_memory_free. Refuses, naming
+ * file, line and column, a column that is missing, a cell that is no number, a point beside the
+ * grid or further out than 20 mm. */
 int placido_map_columns_load(double **values, int *half, const char *const *names, int count,
                              double step_mm, const char *path, placido_error *err);
 

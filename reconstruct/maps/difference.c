@@ -1,15 +1,16 @@
 /* What is left between two corneas, the second moved onto the first: at every point of the grid the
  * jets of both, and what kinds of map make of them. */
 #include "base/memory.h"
-#include "reconstruct/indices/layout.h"
 #include "reconstruct/maps/csv.h"
 #include "reconstruct/maps/kinds.h"
 #include "reconstruct/maps/motion.h"
 
 #include <math.h>
+#include <string.h>
 
 #define EDGE_MM 1e-12 /* as for the maps */
 #define STEP 1e-5     /* of the motion's terms, for their part of the error bars */
+#define VERTEX_STEPS_MAX 30
 
 static double height_um(const placido_map_point *point) {
   return 1e3 * point->z_mm;
@@ -41,34 +42,82 @@ const double *placido_difference_zone_mm(int zone) {
   return zones_mm[zone];
 }
 
-static void evaluate(double values[PLACIDO_DIFFERENCES], const placido_moved *moved, double x,
-                     double y, const double vertex_mm[2]) {
+/* A cornea where a motion puts it, with the vertex that it then has. */
+typedef struct placed {
+  const placido_measured *measured;
+  placido_motion motion;
+  double vertex_mm[2];
+} placed;
+
+/* Newton's method for the place without slope, from `start`; the axis where there is none. */
+static placed place(const placido_measured *measured, const double terms[PLACIDO_MOTION_TERMS],
+                    const double start[2]) {
+  placed p = {measured, placido_motion_of(terms), {start[0], start[1]}};
+  double length = INFINITY;
+  for (int step = 0; step < VERTEX_STEPS_MAX && length > 1e-12; step++) {
+    placido_moved at;
+    double determinant = 0;
+    if (placido_moved_at(&at, measured, &p.motion, p.vertex_mm[0], p.vertex_mm[1])) {
+      determinant = at.jet.sxx * at.jet.syy - at.jet.sxy * at.jet.sxy;
+    }
+    if (!(determinant > 0)) {
+      p.vertex_mm[0] = p.vertex_mm[1] = 0;
+      return p;
+    }
+    double dx = -(at.jet.syy * at.jet.sx - at.jet.sxy * at.jet.sy) / determinant;
+    double dy = -(at.jet.sxx * at.jet.sy - at.jet.sxy * at.jet.sx) / determinant;
+    length = hypot(dx, dy);
+    p.vertex_mm[0] += dx;
+    p.vertex_mm[1] += dy;
+  }
+  return p;
+}
+
+/* The two corneas, and the second as it is when each term of the motion is a step off. */
+typedef struct pair {
+  placed first, second, off[PLACIDO_MOTION_TERMS];
+  const placido_alignment *alignment;
+} pair;
+
+static pair bring_together(const placido_measured *first, const placido_measured *second,
+                           const placido_alignment *alignment) {
+  static const double none[PLACIDO_MOTION_TERMS] = {0};
+  const double axis[2] = {0, 0};
+  pair p = {.first = place(first, none, axis), .alignment = alignment};
+  p.second = place(second, alignment->terms, p.first.vertex_mm);
+  for (int k = 0; k < PLACIDO_MOTION_TERMS; k++) {
+    double terms[PLACIDO_MOTION_TERMS];
+    memcpy(terms, alignment->terms, sizeof terms);
+    terms[k] += STEP;
+    p.off[k] = place(second, terms, p.second.vertex_mm);
+  }
+  return p;
+}
+
+/* The maps' values of a placed cornea; false where it is not defined. */
+static bool evaluate(double values[PLACIDO_DIFFERENCES], placido_moved *moved, const placed *p,
+                     double x, double y) {
+  if (!placido_moved_at(moved, p->measured, &p->motion, x, y)) {
+    return false;
+  }
   placido_map_point point = {.x_mm = x,
                              .y_mm = y,
                              .z_mm = moved->z_mm,
                              .jet = moved->jet,
-                             .vertex_mm = {vertex_mm[0], vertex_mm[1]}};
+                             .vertex_mm = {p->vertex_mm[0], p->vertex_mm[1]}};
   for (int k = 0; k < PLACIDO_DIFFERENCES; k++) {
     values[k] = kinds[k].at(&point);
   }
+  return true;
 }
 
 /* What the alignment's uncertainty adds to the variances. */
-static void add_alignment(double variances[PLACIDO_DIFFERENCES], const placido_measured *second,
-                          const placido_alignment *alignment, double x, double y,
-                          const double values[PLACIDO_DIFFERENCES], const double vertex_mm[2]) {
+static void add_alignment(double variances[PLACIDO_DIFFERENCES], const pair *p, double x, double y,
+                          const double values[PLACIDO_DIFFERENCES]) {
   double by[PLACIDO_MOTION_TERMS][PLACIDO_DIFFERENCES];
   for (int k = 0; k < PLACIDO_MOTION_TERMS; k++) {
-    double terms[PLACIDO_MOTION_TERMS];
-    for (int l = 0; l < PLACIDO_MOTION_TERMS; l++) {
-      terms[l] = alignment->terms[l] + (k == l ? STEP : 0);
-    }
-    placido_motion motion = placido_motion_of(terms);
     placido_moved moved;
-    bool there = placido_moved_at(&moved, second, &motion, x, y);
-    if (there) {
-      evaluate(by[k], &moved, x, y, vertex_mm);
-    }
+    bool there = evaluate(by[k], &moved, &p->off[k], x, y);
     for (int d = 0; d < PLACIDO_DIFFERENCES; d++) {
       by[k][d] = there ? (by[k][d] - values[d]) / STEP : 0; /* at the very rim */
     }
@@ -76,18 +125,11 @@ static void add_alignment(double variances[PLACIDO_DIFFERENCES], const placido_m
   for (int d = 0; d < PLACIDO_DIFFERENCES; d++) {
     for (int k = 0; k < PLACIDO_MOTION_TERMS; k++) {
       for (int l = 0; l < PLACIDO_MOTION_TERMS; l++) {
-        variances[d] += by[k][d] * by[l][d] * alignment->covariance[k][l];
+        variances[d] += by[k][d] * by[l][d] * p->alignment->covariance[k][l];
       }
     }
   }
 }
-
-/* The two corneas and how they were brought together. */
-typedef struct pair {
-  const placido_measured *first, *second;
-  const placido_alignment *alignment;
-  placido_motion rest, motion;
-} pair;
 
 static void fill_point(placido_difference *difference, const pair *p, int i, int j) {
   size_t index = (size_t)j * (size_t)difference->size + (size_t)i;
@@ -95,21 +137,17 @@ static void fill_point(placido_difference *difference, const pair *p, int i, int
   double y = (j - difference->half) * difference->step_mm;
   placido_moved here, there;
   double before[PLACIDO_DIFFERENCES], after[PLACIDO_DIFFERENCES], variances[PLACIDO_DIFFERENCES];
-  bool valid = placido_moved_at(&here, p->first, &p->rest, x, y) && here.covered &&
-               placido_moved_at(&there, p->second, &p->motion, x, y) && there.covered;
+  bool valid = evaluate(before, &here, &p->first, x, y) && here.covered &&
+               evaluate(after, &there, &p->second, x, y) && there.covered;
   difference->valid[index] = valid;
-  if (valid) {
-    evaluate(before, &here, x, y, difference->vertex_mm);
-    evaluate(after, &there, x, y, difference->vertex_mm);
-  }
   for (int k = 0; valid && k < PLACIDO_DIFFERENCES; k++) {
     enum placido_difference_kind kind = (enum placido_difference_kind)k;
-    double a = placido_measured_sigma(p->first, kind, here.from_mm);
-    double b = placido_measured_sigma(p->second, kind, there.from_mm);
+    double a = placido_measured_sigma(p->first.measured, kind, here.from_mm);
+    double b = placido_measured_sigma(p->second.measured, kind, there.from_mm);
     variances[k] = a * a + b * b;
   }
   if (valid && p->alignment->aligned) {
-    add_alignment(variances, p->second, p->alignment, x, y, after, difference->vertex_mm);
+    add_alignment(variances, p, x, y, after);
   }
   for (int k = 0; k < PLACIDO_DIFFERENCES; k++) {
     difference->values[k][index] = valid ? after[k] - before[k] : (double)NAN;
@@ -142,18 +180,14 @@ static int check_any_valid(const placido_difference *difference, placido_error *
 int placido_difference_new(placido_difference *difference, const placido_measured *first,
                            const placido_measured *second, const placido_alignment *alignment,
                            placido_error *err) {
-  static const double none[PLACIDO_MOTION_TERMS] = {0};
-  placido_vertex vertex = placido_vertex_find(first->surface);
-  bool has_vertex = isfinite(vertex.x_mm) && isfinite(vertex.y_mm);
-  *difference = (placido_difference){
-      .step_mm = first->step_mm,
-      .radius_mm = placido_surface_radius_mm(first->surface),
-      .half = first->half,
-      .size = first->size,
-      .vertex_mm = {has_vertex ? (first->mirrored ? -vertex.x_mm : vertex.x_mm) : 0,
-                    has_vertex ? vertex.y_mm : 0}};
-  const pair p = {first, second, alignment, placido_motion_of(none),
-                  placido_motion_of(alignment->terms)};
+  const pair p = bring_together(first, second, alignment);
+  *difference =
+      (placido_difference){.step_mm = first->step_mm,
+                           .radius_mm = placido_surface_radius_mm(first->surface),
+                           .half = first->half,
+                           .size = first->size,
+                           .vertices_mm = {{p.first.vertex_mm[0], p.first.vertex_mm[1]},
+                                           {p.second.vertex_mm[0], p.second.vertex_mm[1]}}};
   int status = allocate(difference, err);
   if (!status) {
 #pragma omp parallel for schedule(dynamic, 1)

@@ -1,7 +1,8 @@
 /* Error bars by linear propagation: a map's value depends on the jet of its point, and, through
  * the reference or the vertex, on figures of the whole surface; with g its gradient by both and C
  * their covariance the variance is gᵀ C g (JCGM 100:2008, equation 13). Gradients are
- * differences of the map's own function, so that a new kind of map needs no more than its formula. */
+ * differences of the map's own function, so that a new kind of map needs no more than its formula.
+ */
 #include "reconstruct/maps/errors.h"
 
 #include "base/memory.h"
@@ -253,8 +254,8 @@ static double variance_of_height(const placido_map_errors *errors, const knowled
 }
 
 void placido_map_errors_at(const placido_map_errors *errors, placido_jet_cell *cell,
-                           const placido_map_point *given, const double *values,
-                           double *sigma_z_um, double *sigmas) {
+                           const placido_map_point *given, const double *values, double *sigma_z_um,
+                           double *sigmas) {
   placido_map_point point = *given; /* its numbers are moved in turn */
   size_t count;
   const placido_map_kind *kinds = placido_map_kinds(&count);

@@ -23,7 +23,7 @@ void placido_map_errors_free(placido_map_errors *errors);
 /* The standard deviations at a point of z and of every kind, whose values there are `values`; NaN
  * where they cannot be told. `cell` is the thread's own. */
 void placido_map_errors_at(const placido_map_errors *errors, placido_jet_cell *cell,
-                           const placido_map_point *point, const double *values,
-                           double *sigma_z_um, double *sigmas);
+                           const placido_map_point *point, const double *values, double *sigma_z_um,
+                           double *sigmas);
 
 #endif

@@ -105,8 +105,7 @@ static placido_map_point find_common(const placido_surface *surface, const placi
                               .vertex_mm = {vertex.x_mm, vertex.y_mm},
                               .index = options->index > 0 ? options->index : INDEX};
   placido_shapes_fit(common.references, &common.sphere, zone);
-  common.retina_mm =
-      options->retina_mm > 0 ? options->retina_mm : focus_mm(&common, surface, zone);
+  common.retina_mm = options->retina_mm > 0 ? options->retina_mm : focus_mm(&common, surface, zone);
   return common;
 }
 
@@ -146,8 +145,7 @@ static void fill_point(placido_maps *maps, const placido_surface *surface,
                        const placido_map_point *point, size_t index) {
   size_t count;
   const placido_map_kind *kinds = placido_map_kinds(&count);
-  bool valid =
-      isfinite(point->z_mm) && placido_surface_covered(surface, point->x_mm, point->y_mm);
+  bool valid = isfinite(point->z_mm) && placido_surface_covered(surface, point->x_mm, point->y_mm);
   maps->valid[index] = valid;
   maps->z_mm[index] = valid ? point->z_mm : NAN;
   for (size_t i = 0; i < count; i++) {
@@ -161,8 +159,8 @@ static void fill(placido_maps *maps, const placido_surface *surface,
   for (int j = 0; j < maps->size; j++) {
     placido_jet_cell cell = {.known = false};
     for (int i = 0; i < maps->size; i++) {
-      placido_map_point point = point_at(common, surface, placido_maps_position(maps, i),
-                                         placido_maps_position(maps, j));
+      placido_map_point point =
+          point_at(common, surface, placido_maps_position(maps, i), placido_maps_position(maps, j));
       size_t index = (size_t)j * (size_t)maps->size + (size_t)i;
       fill_point(maps, surface, &point, index);
       if (errors) {

@@ -45,8 +45,8 @@ static int read_heights(placido_measured *measured, const char *directory, placi
   return status;
 }
 
-static int read_curvatures(placido_measured *measured, const char *directory,
-                           placido_notes *notes, placido_error *err) {
+static int read_curvatures(placido_measured *measured, const char *directory, placido_notes *notes,
+                           placido_error *err) {
   static const char *const names[] = {"sigma_axial_vertex_D", "sigma_tangential_vertex_D"};
   char path[PLACIDO_PATH_MAX];
   double *values[2] = {NULL, NULL};

@@ -48,8 +48,8 @@ static void take_back(double before[3], const placido_motion *motion, const doub
   }
 }
 
-/* With G = z - Z(x, y) before the motion its gradient is (s_x, s_y, 1) and its second derivatives are
- * those of the sag; both turn with the body. z_x = -G_x/G_z, z_xx = -(G_xx + 2 G_xz z_x + G_zz
+/* With G = z - Z(x, y) before the motion its gradient is (s_x, s_y, 1) and its second derivatives
+ * are those of the sag; both turn with the body. z_x = -G_x/G_z, z_xx = -(G_xx + 2 G_xz z_x + G_zz
  * z_x²)/G_z and so on. */
 static placido_jet turned_jet(const placido_jet *jet, const placido_motion *motion, double z) {
   const double gradient[3] = {jet->sx, jet->sy, 1};
@@ -86,9 +86,8 @@ bool placido_moved_at(placido_moved *moved, const placido_measured *measured,
     double over = before[2] - height;
     if (fabs(over) < CLOSE_MM || fabs(over) >= last) {
       double sign = measured->mirrored ? -1 : 1;
-      *moved = (placido_moved){.z_mm = z,
-                               .jet = turned_jet(&jet, motion, z),
-                               .from_mm = {sign * before[0], before[1]}};
+      *moved = (placido_moved){
+          .z_mm = z, .jet = turned_jet(&jet, motion, z), .from_mm = {sign * before[0], before[1]}};
       moved->covered =
           placido_surface_covered(measured->surface, moved->from_mm[0], moved->from_mm[1]);
       return fabs(over) < 1e-9;

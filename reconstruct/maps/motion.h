@@ -15,8 +15,8 @@ placido_motion placido_motion_of(const double terms[PLACIDO_MOTION_TERMS]);
 /* Where a vertical line meets the moved cornea. */
 typedef struct placido_moved {
   double z_mm;
-  placido_jet jet;    /* sag counted from z = 0 */
-  double from_mm[2];  /* where that point was before, in the measurement's own x and y */
+  placido_jet jet;   /* sag counted from z = 0 */
+  double from_mm[2]; /* where that point was before, in the measurement's own x and y */
   bool covered;
 } placido_moved;
 

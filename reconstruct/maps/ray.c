@@ -2,8 +2,8 @@
  * source on the axis meets the surface at P and is refracted by Snell's law; where it crosses the
  * axis, where it meets its neighbour along the meridian (the local focus), and where it lands.
  *
- * Of a skew ray the point nearest to the axis, and the point nearest to the neighbour, stand for the
- * crossings. With t the refracted ray's unit vector and ' the derivative along the meridian the
+ * Of a skew ray the point nearest to the axis, and the point nearest to the neighbour, stand for
+ * the crossings. With t the refracted ray's unit vector and ' the derivative along the meridian the
  * latter lies at P - t (P'·t')/(t'·t'), because t·t' = 0. */
 #include "reconstruct/maps/kinds.h"
 
@@ -11,7 +11,7 @@
 
 /* A refracted ray at a point and how both change along the meridian. */
 typedef struct ray {
-  double at[3], along[3];             /* P, t */
+  double at[3], along[3];               /* P, t */
   double at_change[3], along_change[3]; /* P', t' */
 } ray;
 
@@ -19,8 +19,8 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* With N the unit normal towards the light and the ray (0, 0, -1): t = (0, 0, -1)/n + k N, k = c/n -
- * sqrt(1 - (1 - c²)/n²), c = N_z; so t' = k' N + k N', k' = c' (1/n - c/(n² sqrt(...))). */
+/* With N the unit normal towards the light and the ray (0, 0, -1): t = (0, 0, -1)/n + k N, k = c/n
+ * - sqrt(1 - (1 - c²)/n²), c = N_z; so t' = k' N + k N', k' = c' (1/n - c/(n² sqrt(...))). */
 static ray trace(const placido_map_point *point) {
   const placido_jet *jet = &point->jet;
   double r = sqrt(point->x_mm * point->x_mm + point->y_mm * point->y_mm), n = point->index;
@@ -51,7 +51,8 @@ static double to_focus(const ray *r) {
 
 double placido_map_axial_refractive(const placido_map_point *point) {
   ray r = trace(point);
-  if (sqrt(point->x_mm * point->x_mm + point->y_mm * point->y_mm) < 1e-9) { /* the limit of the neighbours along +x */
+  if (sqrt(point->x_mm * point->x_mm + point->y_mm * point->y_mm) <
+      1e-9) { /* the limit of the neighbours along +x */
     return 1000 * point->index / to_focus(&r);
   }
   double across = r.along[0] * r.along[0] + r.along[1] * r.along[1];

@@ -1,7 +1,7 @@
 /* Best-fit conicoids: least squares of the height along z by Gauss and Newton, the step halved
- * until it gains. The conic starts from the best-fit sphere, the toric one from the conic. The sag is
- * that of the conic r² = 2 R s - p s² (Baker, Proc. Phys. Soc. 55, 361-364, 1943) with a matrix of
- * curvatures in place of 1/R. */
+ * until it gains. The conic starts from the best-fit sphere, the toric one from the conic. The sag
+ * is that of the conic r² = 2 R s - p s² (Baker, Proc. Phys. Soc. 55, 361-364, 1943) with a matrix
+ * of curvatures in place of 1/R. */
 #include "reconstruct/maps/shape.h"
 
 #include "reconstruct/maps/equations.h"
@@ -48,8 +48,8 @@ double placido_shape_at(const placido_conicoid_shape *shape, double x_mm, double
   double u[2] = {x_mm - shape->x_mm, y_mm - shape->y_mm}, by_u[2], by_p, by_matrix[3];
   double sag = sag_at(shape, u, by_u, &by_p, by_matrix);
   if (derivatives) {
-    const double all[PLACIDO_SHAPE_PARAMETERS] = {by_u[0], by_u[1],       1,            -by_matrix[0],
-                                                  -by_p,   -by_matrix[1], -by_matrix[2]};
+    const double all[PLACIDO_SHAPE_PARAMETERS] = {
+        by_u[0], by_u[1], 1, -by_matrix[0], -by_p, -by_matrix[1], -by_matrix[2]};
     memcpy(derivatives, all, sizeof all);
   }
   return shape->z_mm - sag;
@@ -132,13 +132,13 @@ static placido_conicoid_shape fit(const placido_conicoid_shape *start, const pla
 void placido_shapes_fit(placido_conicoid_shape shapes[PLACIDO_REFERENCES], placido_sphere *sphere,
                         const placido_zone *zone) {
   *sphere = placido_sphere_fit(zone);
-  shapes[PLACIDO_REFERENCE_SPHERE] = (placido_conicoid_shape){.x_mm = sphere->x_mm,
-                                                              .y_mm = sphere->y_mm,
-                                                              .z_mm = sphere->z_mm +
-                                                                      sphere->radius_mm,
-                                                              .c_mm1 = 1 / sphere->radius_mm,
-                                                              .p = 1,
-                                                              .zone_mm = zone->diameter_mm};
+  shapes[PLACIDO_REFERENCE_SPHERE] =
+      (placido_conicoid_shape){.x_mm = sphere->x_mm,
+                               .y_mm = sphere->y_mm,
+                               .z_mm = sphere->z_mm + sphere->radius_mm,
+                               .c_mm1 = 1 / sphere->radius_mm,
+                               .p = 1,
+                               .zone_mm = zone->diameter_mm};
   for (int k = PLACIDO_REFERENCE_CONIC; k < PLACIDO_REFERENCES; k++) {
     shapes[k] = isfinite(shapes[k - 1].c_mm1)
                     ? fit(&shapes[k - 1], zone, placido_shape_free((enum placido_reference)k))

@@ -1,5 +1,5 @@
-/* The list of the kinds of map: first those of maps.csv in the order of their columns, then those of
- * maps_more.csv. */
+/* The list of the kinds of map: first those of maps.csv in the order of their columns, then those
+ * of maps_more.csv. */
 #include "reconstruct/maps/kinds.h"
 
 #include <string.h>

@@ -6,6 +6,7 @@
 #include "reconstruct/mires/confirm.h"
 #include "reconstruct/mires/edges.h"
 #include "reconstruct/mires/expect.h"
+#include "reconstruct/mires/folds.h"
 #include "reconstruct/mires/gate.h"
 #include "reconstruct/mires/link.h"
 #include "reconstruct/mires/number.h"
@@ -110,31 +111,6 @@ static int collect(placido_mires *mires, const placido_crossings *all, int strid
   return PLACIDO_OK;
 }
 
-/* Share of the meridians on which an edge at least half as strong as the numbered ones lies between
- * two of them without a number. */
-static double stray_share(const placido_crossings *all) {
-  double strength = 0;
-  size_t count = 0;
-  int stray = 0;
-  for (size_t i = 0; i < all->count; i++) {
-    if (all->list[i].edge >= 0) {
-      strength += fabs(all->list[i].slope);
-      count++;
-    }
-  }
-  for (int m = 0; m < all->meridians; m++) {
-    bool inside = false, strong = false, between = false;
-    for (size_t i = all->first[m]; i < all->first[m + 1]; i++) {
-      const placido_crossing *c = &all->list[i];
-      between |= strong && c->edge >= 0;
-      inside |= c->edge >= 0;
-      strong |= inside && c->edge < 0 && fabs(c->slope) > 0.5 * strength / (double)count;
-    }
-    stray += between;
-  }
-  return (double)stray / all->meridians;
-}
-
 /* Refuses where too few edges were seen: never a pretty map from four mires. */
 static int check_enough(const placido_mires *mires, int edges_min, placido_error *err) {
   int enough = 0;
@@ -226,7 +202,6 @@ int placido_mires_find(placido_mires *mires, const placido_frame *frame,
                                          instrument->first_band_bright, yard.expected_px, err))) {
     goto done;
   }
-  mires->stray = stray_share(&crossings);
   if ((status = measure(&crossings, &polar, threads, err))) {
     goto done;
   }
@@ -235,6 +210,8 @@ int placido_mires_find(placido_mires *mires, const placido_frame *frame,
   if ((status = placido_crossings_gate(&crossings, instrument->edge_count, err)) ||
       (status = placido_crossings_confirm(&crossings, instrument->edge_count, yard.expected_px,
                                           err)) ||
+      (status = placido_crossings_folds(&crossings, instrument->edge_count, &mires->folded,
+                                        &mires->stray, err)) ||
       (status = collect(mires, &crossings, stride, err)) ||
       (status = check_enough(mires, edges_min, err))) {
     goto done;

@@ -19,14 +19,15 @@
 #define CROWDED_STEPS 2.5 /* so many samples towards a neighbour, if need be past the middle */
 #define ALONE_WIDTHS 3.5  /* a neighbour so far from the window does not show in it */
 #define SAMPLES_FEW 4
+#define CLIPPED_WORTH 0.5F /* of a clipped sample, against a known one */
 #define MERIDIANS_ROUGH 120 /* so many tell what is usual, */
 #define ROUGH_PX 0.05F      /* by fits that need not be better than this */
 #define FINE_PX 0.01F     /* Gauss-Newton's next step would be about the square */
 #define SETTLED_PX 0.002  /* no further round for less, */
 #define SETTLED 0.003     /* nor for a smaller change of height and width, as a share */
 #define WIDTH_SIGMA 0.05   /* how far the width may differ from what is usual, as a share */
-/* A background of bend·t² moves the place by so much times bend·width³/height: least squares of t² by
- * a constant and the normal density, over windows of 2.4 to 3 widths. */
+/* A background of bend·t² moves the place by so much times bend·width³/height: least squares of t²
+ * by a constant and the normal density, over windows of 2.4 to 3 widths. */
 #define LIGHT_PULL 15.0
 #define LIGHT_DOUBT 0.7   /* what may be wrong with taking that off, as a share of it */
 #define LIKE 0.5          /* neighbours' heights that differ by more do not tell about the light */
@@ -156,10 +157,10 @@ static bool load(placido_steps *s, beside *b, bool *shows, int lane, const work 
   s->samples = to - from + 1 > s->samples ? to - from + 1 : s->samples;
   float count = 0;
   for (int k = from; k <= to; k++) {
-    float weight = w->polar->clipped && w->polar->clipped[row + (size_t)k] ? 0.0F : 1.0F;
+    bool clipped = w->polar->clipped && w->polar->clipped[row + (size_t)k];
     s->value[k - from][lane] = w->polar->data[row + (size_t)k];
-    s->weight[k - from][lane] = weight;
-    count += weight;
+    s->weight[k - from][lane] = clipped ? PLACIDO_STEPS_CLIPPED : PLACIDO_STEPS_KNOWN;
+    count += clipped ? CLIPPED_WORTH : 1;
   }
   s->step.place[lane] = (float)(was->place_px - c->radius_px);
   s->step.offset[lane] = was->offset;
@@ -197,7 +198,7 @@ static void store(const placido_steps *s, const beside *b, int lane, const work 
   placido_fitted *f = &w->now[i];
   float count = 0;
   for (int k = 0; k < s->samples; k++) {
-    count += s->weight[k][lane];
+    count += s->weight[k][lane] > PLACIDO_STEPS_KNOWN ? CLIPPED_WORTH : s->weight[k][lane];
   }
   float height = s->step.height[lane], width = image_width(s->step.width[lane], along);
   bool settled = fabs(c->radius_px + (double)s->step.place[lane] - f->place_px) < SETTLED_PX &&

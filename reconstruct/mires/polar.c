@@ -14,8 +14,8 @@
 #define BEYOND_PX 8     /* how far samples reach beyond the centre */
 #define SATURATED 0.998F /* of the full range */
 
-/* Weights of the pixels from two before to three after the one at or before the meridian, by how far
- * that one lies before it. */
+/* Weights of the pixels from two before to three after the one at or before the meridian, by how
+ * far that one lies before it. */
 typedef struct kernel {
   double variance_px2;
   float weight[PHASES + 1][TAPS];

@@ -23,8 +23,8 @@ typedef struct placido_polar {
   unsigned char *clipped;
 } placido_polar;
 
-/* Unrolls the plane out to radius_px. A meridian nearer to the rows (columns) takes a sample at each
- * column (row) that it crosses, weighing the six pixels of that column (row) about it by a B-spline
+/* Unrolls the plane out to radius_px. A meridian nearer to the rows (columns) takes a sample at
+ * each column (row) that it crosses, weighing the six pixels of that column (row) about it by a B-spline
  * kernel (Unser, IEEE Signal Proc. Mag. 16:22, 1999): no pixel serves two samples of a meridian, so
  * their noise is independent, and the blur that the kernel adds is known. Free with
  * placido_polar_free. */

@@ -8,6 +8,8 @@
 
 #define LANES PLACIDO_STEPS_LANES
 #define PASSES 8
+/* Weight of a clipped sample that the step reaches beyond: just enough to bound its height. */
+#define BEYOND 0.03F
 #define WIDTH_LEAST 0.3F
 
 /* The normal density at x and the distribution less a half. The error function by Abramowitz and
@@ -29,7 +31,8 @@ PLACIDO_INSIDE void normal(float x, float *bell, float *wave) {
   *bell = 0.39894228F * e;
 }
 
-PLACIDO_WIDE void placido_steps_take_off(placido_steps *s, const placido_step_lanes *n, int is_inner) {
+PLACIDO_WIDE void placido_steps_take_off(placido_steps *s, const placido_step_lanes *n,
+                                         int is_inner) {
   float gone = is_inner ? -0.5F : 0.5F;
   for (int i = 0; i < s->samples; i++) {
     for (int l = 0; l < LANES; l++) {
@@ -69,7 +72,9 @@ PLACIDO_INSIDE void gather(equations *e, placido_steps *s) {
       float x = (s->first[l] + (float)i * s->pitch[l] - p->place[l]) * inverse;
       normal(x, &bell, &wave);
       float error = s->value[i][l] - (p->offset[l] + p->height[l] * wave);
-      float weight = s->weight[i][l], by_place = -p->height[l] * bell * inverse;
+      float weight = s->weight[i][l];
+      weight = weight > 1 ? (error > 0 ? 1.0F : BEYOND) : weight;
+      float by_place = -p->height[l] * bell * inverse;
       float by_width = by_place * x, we = weight * error, ww = weight * wave;
       float wv = weight * by_width, wp = weight * by_place;
       s->squares[l] += we * error;

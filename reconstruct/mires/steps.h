@@ -5,6 +5,10 @@
 #define PLACIDO_STEPS_LANES 8
 #define PLACIDO_STEPS_SAMPLES 64 /* most that a profile may have */
 
+#define PLACIDO_STEPS_UNUSED 0.0F
+#define PLACIDO_STEPS_KNOWN 1.0F
+#define PLACIDO_STEPS_CLIPPED 2.0F /* the value or more: pulls only steps that fall short of it */
+
 /* A blurred step: offset + height·(Φ((r - place)/width) - 1/2), Φ the normal distribution; one a
  * lane. Places are in px from an origin of the lane's own. */
 typedef struct placido_step_lanes {
@@ -16,7 +20,7 @@ typedef struct placido_step_lanes {
 typedef struct placido_steps {
   int samples; /* of the longest lane */
   float value[PLACIDO_STEPS_SAMPLES][PLACIDO_STEPS_LANES];
-  float weight[PLACIDO_STEPS_SAMPLES][PLACIDO_STEPS_LANES]; /* 1, or 0: not to be looked at */
+  float weight[PLACIDO_STEPS_SAMPLES][PLACIDO_STEPS_LANES]; /* one of PLACIDO_STEPS_... below */
   float first[PLACIDO_STEPS_LANES], pitch[PLACIDO_STEPS_LANES]; /* sample i at first + i·pitch */
   placido_step_lanes step;          /* in: a guess; out: the fit */
   float usual[PLACIDO_STEPS_LANES]; /* width that is expected, */

@@ -3,7 +3,6 @@
 #include <placido/reconstruct.h>
 
 #include "base/memory.h"
-#include "reconstruct/maps/kinds.h"
 #include "reconstruct/median.h"
 #include "reconstruct/solve/conic.h"
 #include "reconstruct/solve/distance.h"
@@ -13,6 +12,7 @@
 #include "reconstruct/solve/noise.h"
 #include "reconstruct/solve/numbering.h"
 #include "reconstruct/solve/outliers.h"
+#include "reconstruct/solve/power.h"
 #include "reconstruct/solve/refine.h"
 #include "reconstruct/solve/result.h"
 #include "reconstruct/solve/warm.h"
@@ -50,17 +50,6 @@
 #define MISFIT 1.3      /* spread over rough noise at which finer knots are tried */
 #define MISFIT_FAR 2.5  /* and at which the next finer ones would not do: they about halve it */
 
-#define DISTANCE_KNOWN 0.5 /* of the given one's standard deviation: the mires tell it better */
-#define DISTANCE_FAR 4.0   /* standard deviations beyond which the two contradict each other */
-#define DISTANCE_CLOSE 0.1 /* of one: a step as small as this is the last */
-#define DISTANCE_STEPS 4
-
-/* Mean power of a whole cornea, keratometric: from a radius of 13.5 mm to one of 4.2 mm. */
-#define POWER_LEAST_D 25
-#define POWER_MOST_D 80
-#define POWER_STEP_MM 0.5
-#define POWER_GRID 32
-
 static const double KNOTS_MM[] = {0.5, 0.35, 0.25};
 #define KNOT_LEAST_MM 0.15 /* finer ones cost minutes and follow the noise */
 #define KNOT_MOST_MM 2.0
@@ -73,8 +62,8 @@ typedef struct progress {
   size_t count;
   placido_bundle rays; /* of all samples */
   placido_conicoid base;
-  double axis_z_mm, axis_z_sigma_mm, reach_mm;
-  bool axis_solved;
+  placido_axis axis;
+  double reach_mm;
   double coarse_px, misfit; /* spread with the coarsest knots, and that over the rough noise */
   int shift;          /* that all numbers ask for */
   double geometry_px; /* of the instrument's uncertainty, what no smooth surface follows */
@@ -107,7 +96,7 @@ static int find_base(progress *p, placido_error *err) {
   }
   int status = placido_bundle_new(&rays, some, few, err);
   if (!status) {
-    status = placido_conic_fit(&p->base, &rays, p->axis_z_mm, p->threads, err);
+    status = placido_conic_fit(&p->base, &rays, p->axis.z_mm, p->threads, err);
   }
   placido_bundle_free(&rays);
   placido_memory_free(some);
@@ -220,7 +209,7 @@ static int continue_start(placido_refinement *coarse, placido_grid *grid, progre
       (o->knot_mm > 0 && o->knot_mm != o->start->grid.knot_mm)) {
     return PLACIDO_OK;
   }
-  const placido_warm_options warm = {.axis_z_mm = p->axis_z_mm,
+  const placido_warm_options warm = {.axis_z_mm = p->axis.z_mm,
                                      .margin_mm = MARGIN_MM,
                                      .smoothing = smoothing_of(o),
                                      .settled = SETTLED_ROUGHLY,
@@ -246,12 +235,11 @@ static int fit_spline(progress *p, placido_grid *grid, placido_error *err) {
     status = explore(&coarse, grid, p, &rays, err);
   }
   if (!status) {
-    status = refinement_of(&p->refinement, p, grid, &p->rays, err);
+    status = placido_refinement_aim(&coarse, &p->rays, err);
   }
   if (!status) {
-    memcpy(p->refinement.coefficients, coarse.coefficients,
-           (size_t)grid->side * (size_t)grid->side * sizeof *coarse.coefficients);
-    p->refinement.steps = coarse.steps;
+    p->refinement = coarse;
+    coarse = (placido_refinement){0};
     if ((double)rays.count < POINTS_PLENTY * (double)grid->side * grid->side) {
       status = placido_refinement_run(&p->refinement, SETTLED_TO_CUT, err);
     }
@@ -270,7 +258,7 @@ static int fit_spline(progress *p, placido_grid *grid, placido_error *err) {
 static int try_shift(double *spread_px, const progress *p, int shift, placido_error *err) {
   placido_mires mires;
   progress q = {.mires = &mires,
-                .axis_z_mm = p->axis_z_mm,
+                .axis = p->axis,
                 .instrument = p->instrument,
                 .options = p->options,
                 .threads = p->threads};
@@ -279,7 +267,7 @@ static int try_shift(double *spread_px, const progress *p, int shift, placido_er
   int status = placido_numbering_shifted(&mires, p->mires, shift, EXPLORE_STRIDE, err);
   q.count = status ? 0 : mires.count;
   if (status || q.count < POINTS_MIN / EXPLORE_STRIDE ||
-      (status = placido_samples_new(&q.samples, &mires, p->instrument, p->axis_z_mm, err)) ||
+      (status = placido_samples_new(&q.samples, &mires, p->instrument, p->axis.z_mm, err)) ||
       (status = placido_bundle_new(&q.rays, q.samples, q.count, err)) ||
       (status = fit_base(&q, err))) {
     goto done;
@@ -405,44 +393,13 @@ static int build_surface(placido_fit *fit, progress *p, placido_notes *notes,
     status = placido_surface_new(&fit->surface, p->base.apex_z_mm, fit->summary.radius_mm, parts, 2,
                                  &coverage, err);
     fit->base = p->base;
-    fit->axis_z_mm = p->axis_z_mm;
+    fit->axis_z_mm = p->axis.z_mm;
     fit->sags_mm = p->refinement.coefficients;
     p->refinement.coefficients = NULL;
   }
   placido_memory_free(places);
   placido_memory_free(mask);
   return status;
-}
-
-/* Median of the mean power over the covered surface, on a coarse grid. */
-static double usual_power_D(const placido_surface *surface, double *work) {
-  double radius = placido_surface_radius_mm(surface);
-  int half = (int)fmin(POWER_GRID / 2, radius / POWER_STEP_MM);
-  size_t n = 0;
-  for (int j = -half; j <= half; j++) {
-    for (int i = -half; i <= half; i++) {
-      double x = i * POWER_STEP_MM, y = j * POWER_STEP_MM;
-      placido_map_point point = {.x_mm = x, .y_mm = y};
-      if (placido_surface_covered(surface, x, y) && placido_surface_at(surface, x, y, &point.jet)) {
-        work[n++] = placido_map_mean(&point);
-      }
-    }
-  }
-  return placido_quantile(work, n, 0.5);
-}
-
-/* A surface that follows the mires and is no cornea comes of a wrong distance, instrument or
- * numbering. */
-static int check_power(const placido_surface *surface, placido_error *err) {
-  double work[(POWER_GRID + 1) * (POWER_GRID + 1)];
-  double power = usual_power_D(surface, work);
-  if (power > POWER_LEAST_D && power < POWER_MOST_D) {
-    return PLACIDO_OK;
-  }
-  return placido_error_set(err, PLACIDO_QUALITY,
-                           "the surface would have %.1f D, a cornea has %d to %d D: the distance, "
-                           "the instrument or the numbering is wrong",
-                           power, POWER_LEAST_D, POWER_MOST_D);
 }
 
 static void summarise(placido_fit *fit, const progress *p) {
@@ -457,79 +414,15 @@ static void summarise(placido_fit *fit, const progress *p) {
       fit->summary.points_used++;
     }
   }
-  fit->summary.axis_z_mm = p->axis_z_mm;
-  fit->summary.axis_z_sigma_mm = p->axis_z_sigma_mm;
-  fit->summary.axis_z_solved = p->axis_solved;
+  fit->summary.axis_z_mm = p->axis.z_mm;
+  fit->summary.axis_z_sigma_mm = p->axis.sigma_mm;
+  fit->summary.axis_z_solved = p->axis.solved;
   fit->summary.points = p->count;
   fit->summary.rms_px = sqrt(sum / (double)fit->summary.points_used);
   fit->summary.sigma_px = p->refinement.sigma_px;
   fit->summary.steps = p->refinement.steps;
   fit->summary.knot_mm = fit->grid.knot_mm;
   fit->summary.condition = 1 / placido_normal_rcond(fit->normal);
-}
-
-/* One look at what the mires say of the distance. */
-static int ask_distance(placido_distance *distance, double *by_distance, progress *p,
-                        placido_error *err) {
-  placido_refinement *r = &p->refinement;
-  int modes = modes_of(p->options);
-  placido_moves moves = {0};
-  placido_refinement_tell(r);
-  int status = placido_distance_answer(by_distance, r->normal, r->shape.grid, err);
-  if (!status) {
-    *distance = placido_distance_find(r, p->mires, by_distance, NULL);
-  }
-  if (!status && modes > 0 && distance->sigma_mm < DISTANCE_KNOWN * p->axis_z_sigma_mm) {
-    status = placido_moves_new(&moves, r, p->mires, p->instrument, p->options->geometry, modes, err);
-    if (!status) {
-      *distance = placido_distance_find(r, p->mires, by_distance, &moves);
-    }
-    placido_moves_free(&moves);
-  }
-  return status;
-}
-
-/* Where the mires tell the distance better than whoever gave it, solves for it: the mean of both,
- * weighted. It cannot run off: far from what was given, what was given holds, with a warning. */
-static int solve_distance(progress *p, placido_notes *notes, placido_error *err) {
-  placido_refinement *r = &p->refinement;
-  const double given = p->axis_z_mm, prior = p->axis_z_sigma_mm * p->axis_z_sigma_mm;
-  size_t n = (size_t)r->shape.grid->side * (size_t)r->shape.grid->side;
-  double *by_distance = prior > 0 ? placido_memory_new(n, sizeof *by_distance, err) : NULL;
-  if (!by_distance) {
-    return prior > 0 ? PLACIDO_MEMORY : PLACIDO_OK;
-  }
-  int status = PLACIDO_OK;
-  for (int pass = 0; pass < DISTANCE_STEPS && !status; pass++) {
-    placido_distance seen;
-    status = ask_distance(&seen, by_distance, p, err);
-    if (status || !(seen.sigma_mm < DISTANCE_KNOWN * sqrt(prior))) {
-      break;
-    }
-    double variance = seen.sigma_mm * seen.sigma_mm, off = p->axis_z_mm + seen.step_mm - given;
-    if (fabs(off) > DISTANCE_FAR * sqrt(prior + variance)) {
-      placido_notes_add(notes, "the mires put the cornea %.3f mm from the distance that was given, "
-                               "far beyond its standard deviation of %.3f mm: the instrument's "
-                               "geometry or the distance is wrong", off, sqrt(prior));
-      break;
-    }
-    double move = given + off * prior / (prior + variance) - p->axis_z_mm;
-    placido_distance_move(r, by_distance, move);
-    p->base = r->shape.base;
-    p->axis_z_mm += move;
-    p->axis_z_sigma_mm = sqrt(prior * variance / (prior + variance));
-    p->axis_solved = true;
-    status = placido_refinement_run(r, SETTLED, err);
-    if (fabs(move) < DISTANCE_CLOSE * seen.sigma_mm) {
-      break;
-    }
-  }
-  if (!status && p->axis_solved) {
-    placido_notes_add(notes, "the mires tell the distance themselves: z on the axis %.4f mm, "
-                             "standard deviation %.4f mm", p->axis_z_mm, p->axis_z_sigma_mm);
-  }
-  placido_memory_free(by_distance);
-  return status;
 }
 
 /* Hands the normal equations over to the fit and takes its error bars from them. */
@@ -560,7 +453,7 @@ static int find_errors(placido_fit *fit, progress *p, placido_error *err) {
     moves.coefficients = NULL;
   }
   placido_moves_free(&moves);
-  fit->axis_z_sigma_mm = p->axis_z_sigma_mm;
+  fit->axis_z_sigma_mm = p->axis.sigma_mm;
   fit->normal = p->refinement.normal;
   p->refinement.normal = NULL;
   return status ? status : placido_fit_covariance(fit, err);
@@ -594,7 +487,7 @@ static void forget(progress *p) {
 static int fit_points(progress *p, placido_grid *grid, placido_notes *notes, placido_error *err) {
   size_t doubtful;
   p->count = p->mires->count;
-  int status = placido_samples_new(&p->samples, p->mires, p->instrument, p->axis_z_mm, err);
+  int status = placido_samples_new(&p->samples, p->mires, p->instrument, p->axis.z_mm, err);
   if (!status) {
     status = placido_numbering_doubt(p->samples, p->count, p->mires, &doubtful, err);
   }
@@ -627,14 +520,61 @@ static int renumber(progress *p, bool *changed, placido_notes *notes, placido_er
   return status;
 }
 
+/* Fits until the numbers are in order. */
+static int fit_numbered(progress *p, placido_grid *grid, placido_notes *notes,
+                        placido_error *err) {
+  bool changed = true;
+  int status = PLACIDO_OK;
+  for (int pass = 0; pass <= RENUMBERINGS && changed && !status; pass++) {
+    forget(p);
+    status = fit_points(p, grid, notes, err);
+    if (status == PLACIDO_QUALITY && p->continues) {
+      forget(p);
+      p->starts_anew = true; /* the start may have led astray */
+      status = fit_points(p, grid, notes, err);
+    }
+    changed = false;
+    if (!status && pass < RENUMBERINGS) {
+      status = renumber(p, &changed, notes, err);
+    }
+  }
+  return status;
+}
+
+/* Solves for the distance where the mires tell it. What was cut, and how fine the knots are, was
+ * decided at the given distance, so a second round starts from the first one's. */
+static int fit_distance(progress *p, placido_grid *grid, placido_notes *notes,
+                        placido_error *err) {
+  const placido_fit_options *o = p->options;
+  const placido_distance_source source = {p->mires, p->instrument, o ? o->geometry : NULL,
+                                          modes_of(o), SETTLED};
+  int status = placido_distance_solve(&p->axis, &p->refinement, &source, notes, err);
+  if (!status && p->axis.solved) {
+    forget(p);
+    p->starts_anew = true;
+    status = fit_points(p, grid, notes, err);
+    if (!status) {
+      status = placido_distance_solve(&p->axis, &p->refinement, &source, notes, err);
+    }
+  }
+  p->base = p->refinement.shape.base;
+  if (!status && p->axis.solved) {
+    placido_notes_add(notes,
+                      "the mires tell the distance themselves: z on the axis is %.4f mm, standard "
+                      "deviation %.4f mm",
+                      p->axis.z_mm, p->axis.sigma_mm);
+  }
+  return status;
+}
+
 int placido_fit_new(placido_fit **fit, placido_mires *mires,
                     const placido_instrument *instrument, const placido_fit_options *options,
                     placido_notes *notes, placido_error *err) {
   *fit = NULL;
   progress p = {.mires = mires,
                 .count = mires->count,
-                .axis_z_mm = options ? options->axis_z_mm : 0,
-                .axis_z_sigma_mm = options ? options->axis_z_sigma_mm : 0,
+                .axis = placido_axis_given(options ? options->axis_z_mm : 0,
+                                           options ? options->axis_z_sigma_mm : 0),
                 .instrument = instrument,
                 .options = options,
                 .threads = options && options->threads > 0 ? options->threads : 1};
@@ -647,22 +587,10 @@ int placido_fit_new(placido_fit **fit, placido_mires *mires,
   if (!status && !f) {
     status = PLACIDO_MEMORY;
   }
-  bool changed = true;
-  for (int pass = 0; pass <= RENUMBERINGS && changed && !status; pass++) {
-    forget(&p);
-    status = fit_points(&p, &f->grid, notes, err);
-    if (status == PLACIDO_QUALITY && p.continues) {
-      forget(&p);
-      p.starts_anew = true; /* the start may have led astray */
-      status = fit_points(&p, &f->grid, notes, err);
-    }
-    changed = false;
-    if (!status && pass < RENUMBERINGS) {
-      status = renumber(&p, &changed, notes, err);
-    }
-  }
-  if (status || (status = solve_distance(&p, notes, err)) || (status = find_errors(f, &p, err)) || (status = build_surface(f, &p, notes, err)) ||
-      (status = placido_fit_level_find(f, err)) || (status = check_power(f->surface, err))) {
+  if (status || (status = fit_numbered(&p, &f->grid, notes, err)) ||
+      (status = fit_distance(&p, &f->grid, notes, err)) || (status = find_errors(f, &p, err)) ||
+      (status = build_surface(f, &p, notes, err)) || (status = placido_fit_level_find(f, err)) ||
+      (status = placido_power_check(f->surface, err))) {
     goto done;
   }
   summarise(f, &p);

@@ -327,7 +327,8 @@ static int cover(placido_coverage *coverage, unsigned char **mask, double *radiu
 
 static int build_surface(placido_fit *fit, const attempt *a, const task *t, placido_error *err) {
   const placido_grid *g = &a->grid;
-  size_t unknowns = (size_t)g->side * (size_t)g->side, knots = (size_t)g->side + PLACIDO_SPLINE_ORDER;
+  size_t unknowns = (size_t)g->side * (size_t)g->side;
+  size_t knots = (size_t)g->side + PLACIDO_SPLINE_ORDER;
   placido_coverage coverage;
   unsigned char *mask = NULL;
   double *places = placido_memory_new(knots, sizeof *places, err);

@@ -1,7 +1,7 @@
 /* Covariance of the jet: the sag and its derivatives are linear in the spline's coefficients, so
- * that C(jet) = R C Rᵀ with R the rows of the basis and C the coefficients' covariance; of C a point
- * needs its cell's part alone, which the selected inverse holds. Signs do not matter: the spline
- * was fitted to z, which is minus the sag throughout. */
+ * that C(jet) = R C Rᵀ with R the rows of the basis and C the coefficients' covariance; of C a
+ * point needs its cell's part alone, which the selected inverse holds. Signs do not matter: the
+ * spline was fitted to z, which is minus the sag throughout. */
 #include "reconstruct/solve/jet_sigma.h"
 
 #include "base/memory.h"
@@ -140,8 +140,8 @@ static void add_sources(double *answer, double *distance, const placido_fit *fit
 }
 
 /* From the answers C w of all figures, one behind the other, to covariances. */
-static void keep_answers(placido_jet_figures *figures, const double *answers,
-                         const double *weights, size_t n) {
+static void keep_answers(placido_jet_figures *figures, const double *answers, const double *weights,
+                         size_t n) {
   size_t count = (size_t)figures->count;
   for (size_t k = 0; k < count; k++) {
     for (size_t i = 0; i < n; i++) {

@@ -6,7 +6,7 @@
 #include "reconstruct/solve/result.h"
 
 /* A jet's terms in the order of placido_jet: sag, sx, sy, sxx, sxy, syy. The sag's error is that
- * against its value on the axis. */
+ * against its value on the axis (placido_jet_weights_level tells the level). */
 #define PLACIDO_JET_TERMS 6
 
 /* The covariance of a cell's coefficients, all sources together, kept from point to point: points
@@ -56,8 +56,8 @@ size_t placido_jet_coefficients(const placido_fit *fit);
 void placido_jet_weights_add(double *weights, const placido_fit *fit, const placido_jet_rows *rows,
                              int term, double amount);
 
-/* The covariances of `count` figures from number `first` on with term `term` of the jet at the rows'
- * point. */
+/* The covariances of `count` figures from number `first` on with term `term` of the jet at the
+ * rows' point. */
 void placido_jet_figures_with(double *with, const placido_jet_figures *figures, int first,
                               int count, const placido_jet_rows *rows, int term);
 

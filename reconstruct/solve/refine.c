@@ -59,6 +59,22 @@ void placido_refinement_free(placido_refinement *r) {
   *r = (placido_refinement){0};
 }
 
+int placido_refinement_aim(placido_refinement *r, placido_bundle *rays, placido_error *err) {
+  double *work = placido_memory_new(rays->count, sizeof *work, err);
+  int status = work ? placido_bundle_fit_grid(rays, r->shape.grid, err) : PLACIDO_MEMORY;
+  if (status) {
+    placido_memory_free(work);
+    return status;
+  }
+  placido_memory_free(r->work);
+  r->work = work;
+  r->rays = rays;
+  r->samples = rays->samples;
+  r->count = rays->count;
+  r->traced = false;
+  return PLACIDO_OK;
+}
+
 /* Twice the pseudo-Huber loss of a residual in sigmas. */
 static double loss(double residual) {
   double x = residual / HUBER;
@@ -132,39 +148,48 @@ double placido_sample_row(double row[CELL], const placido_sample *s, double sigm
   return weight_of(s->residual_px / sigma_px);
 }
 
-/* The rows of some rays of a cell, each times the root of its weight, and their residuals. Rows of
- * zeros fill up the last few that are multiplied together. Returns how many rows there are. */
-PLACIDO_WIDE static int find_rows(double rows[BATCH][CELL], double residuals[BATCH],
-                                  const placido_bundle *rays, const size_t *which, int count,
-                                  double sigma_px, double knot_mm) {
-  double *const *numbers = rays->numbers;
-  double share = 1 / sigma_px, steep = share / knot_mm, roots[BATCH];
+double placido_sample_weight(const placido_sample *s, double sigma_px) {
+  return weight_of(s->residual_px / sigma_px);
+}
+
+/* Some rays of a cell. */
+struct rows {
+  int count;                /* with rows of zeros that fill up the last few taken together */
+  double row[BATCH][CELL];  /* times the root of their weights */
+  double root[BATCH];       /* of the weights */
+  double residual[BATCH];   /* in sigmas, times that root */
+};
+
+PLACIDO_WIDE static void find_rows(struct rows *rows, const placido_refinement *r,
+                                   const size_t *which, int count) {
+  double *const *numbers = r->rays->numbers;
+  double share = 1 / r->sigma_px, steep = share / r->shape.grid->knot_mm;
   for (int k = 0; k < count; k++) {
-    residuals[k] = numbers[PLACIDO_RAY_RESIDUAL_PX][which[k]] * share;
+    rows->residual[k] = numbers[PLACIDO_RAY_RESIDUAL_PX][which[k]] * share;
   }
   for (int k = 0; k < count; k++) {
-    roots[k] = sqrt(weight_of(residuals[k]));
-    residuals[k] *= roots[k];
+    rows->root[k] = sqrt(weight_of(rows->residual[k]));
+    rows->residual[k] *= rows->root[k];
   }
   for (int k = 0; k < count; k++) {
     size_t i = which[k];
-    row_of(rows[k], numbers[PLACIDO_RAY_PLACE_X][i], numbers[PLACIDO_RAY_PLACE_Y][i],
-           roots[k] * share * numbers[PLACIDO_RAY_BY_Z][i],
-           roots[k] * steep * numbers[PLACIDO_RAY_BY_P][i],
-           roots[k] * steep * numbers[PLACIDO_RAY_BY_Q][i]);
+    row_of(rows->row[k], numbers[PLACIDO_RAY_PLACE_X][i], numbers[PLACIDO_RAY_PLACE_Y][i],
+           rows->root[k] * share * numbers[PLACIDO_RAY_BY_Z][i],
+           rows->root[k] * steep * numbers[PLACIDO_RAY_BY_P][i],
+           rows->root[k] * steep * numbers[PLACIDO_RAY_BY_Q][i]);
   }
   for (; count % TOGETHER; count++) {
-    memset(rows[count], 0, sizeof rows[count]);
-    residuals[count] = 0;
+    memset(rows->row[count], 0, sizeof rows->row[count]);
+    rows->root[count] = rows->residual[count] = 0;
   }
-  return count;
+  rows->count = count;
 }
 
 /* Adds rowsᵀ rows to a block's lower triangle, and what else makes its lines whole vectors. */
-PLACIDO_WIDE static void add_products(double *restrict block, double rows[BATCH][CELL],
-                                      int count) {
-  for (int k = 0; k < count; k += TOGETHER) {
-    const double *a = rows[k], *b = rows[k + 1], *c = rows[k + 2], *d = rows[k + 3];
+PLACIDO_WIDE static void add_products(double *restrict block, const struct rows *rows) {
+  for (int k = 0; k < rows->count; k += TOGETHER) {
+    const double *a = rows->row[k], *b = rows->row[k + 1], *c = rows->row[k + 2];
+    const double *d = rows->row[k + 3];
     for (int i = 0; i < CELL; i++) {
       double ai = a[i], bi = b[i], ci = c[i], di = d[i], *line = block + i * CELL;
       int end = (i / 4 + 1) * 4;
@@ -177,11 +202,14 @@ PLACIDO_WIDE static void add_products(double *restrict block, double rows[BATCH]
   }
 }
 
-PLACIDO_WIDE static void add_pulls(double right[CELL], double rows[BATCH][CELL],
-                                   const double residuals[BATCH], int count) {
-  for (int k = 0; k < count; k++) {
+/* right += Σ pull · row, for a batch's rows. */
+PLACIDO_WIDE static void add_pulls(double *restrict right, const struct rows *rows,
+                                   const double pulls[BATCH]) {
+  for (int k = 0; k < rows->count; k += TOGETHER) {
+    const double *a = rows->row[k], *b = rows->row[k + 1], *c = rows->row[k + 2];
+    const double *d = rows->row[k + 3], *p = pulls + k;
     for (int i = 0; i < CELL; i++) {
-      right[i] -= residuals[k] * rows[k][i];
+      right[i] += (p[0] * a[i] + p[1] * b[i]) + (p[2] * c[i] + p[3] * d[i]);
     }
   }
 }
@@ -191,16 +219,20 @@ static void assemble_cell(placido_refinement *r, int column, int row) {
   const placido_grid *grid = r->shape.grid;
   const placido_bundle *rays = r->rays;
   size_t c = (size_t)row * (size_t)grid->cells + (size_t)column, end = rays->starts[c + 1];
-  double block[CELL * CELL], right[CELL] = {0}, rows[BATCH][CELL], residuals[BATCH];
+  double block[CELL * CELL], right[CELL] = {0};
+  struct rows rows;
   if (rays->starts[c] == end) {
     return;
   }
   memset(block, 0, sizeof block);
   for (size_t at = rays->starts[c]; at < end; at += BATCH) {
     int count = end - at < BATCH ? (int)(end - at) : BATCH;
-    count = find_rows(rows, residuals, rays, rays->order + at, count, r->sigma_px, grid->knot_mm);
-    add_products(block, rows, count);
-    add_pulls(right, rows, residuals, count);
+    find_rows(&rows, r, rays->order + at, count);
+    add_products(block, &rows);
+    for (int k = 0; k < rows.count; k++) {
+      rows.residual[k] = -rows.residual[k];
+    }
+    add_pulls(right, &rows, rows.residual);
   }
   placido_normal_add(r->normal, column, row, block, right);
 }
@@ -235,6 +267,45 @@ static void assemble(placido_refinement *r) {
   }
   placido_normal_smooth(r->normal, r->smoothing, r->coefficients);
   assemble_axis(r);
+}
+
+/* The rays of one cell: what errors of theirs push its coefficients. */
+static void push_cell(double *rights, const placido_refinement *r, int column, int row,
+                      const double *errors, int columns) {
+  const placido_grid *grid = r->shape.grid;
+  const placido_bundle *rays = r->rays;
+  size_t c = (size_t)row * (size_t)grid->cells + (size_t)column, end = rays->starts[c + 1];
+  size_t n = (size_t)grid->side * (size_t)grid->side;
+  struct rows rows;
+  for (size_t at = rays->starts[c]; at < end; at += BATCH) {
+    find_rows(&rows, r, rays->order + at, end - at < BATCH ? (int)(end - at) : BATCH);
+    for (int m = 0; m < columns; m++) {
+      double sum[CELL] = {0}, pulls[BATCH];
+      double *corner = rights + (size_t)m * n + row * grid->side + column;
+      for (int k = 0; k < rows.count; k++) {
+        size_t ray = rays->order[at + (size_t)k < end ? at + (size_t)k : end - 1];
+        pulls[k] = rows.root[k] * errors[rays->sample[ray] * (size_t)columns + (size_t)m];
+      }
+      add_pulls(sum, &rows, pulls);
+      for (int k = 0; k < CELL; k++) {
+        corner[k / ORDER * grid->side + k % ORDER] += sum[k];
+      }
+    }
+  }
+}
+
+void placido_refinement_push(double *rights, const placido_refinement *r, const double *errors,
+                             int columns) {
+  int cells = r->shape.grid->cells;
+  placido_bundle_sort(r->rays, r->shape.grid);
+  for (int first = 0; first < ORDER; first++) {
+#pragma omp parallel for num_threads(r->threads) schedule(dynamic, 1)
+    for (int row = first; row < cells; row += ORDER) {
+      for (int column = 0; column < cells; column++) {
+        push_cell(rights, r, column, row, errors, columns);
+      }
+    }
+  }
 }
 
 /* Robust spread of the residuals that count. */

@@ -33,11 +33,22 @@ int placido_refinement_new(placido_refinement *r, const placido_conicoid *base,
                            int steps_max, int threads, placido_error *err);
 void placido_refinement_free(placido_refinement *r);
 
+/* Goes on with other rays (borrowed) from where it is. PLACIDO_MEMORY. */
+int placido_refinement_aim(placido_refinement *r, placido_bundle *rays, placido_error *err);
+
 /* A sample's row of the Jacobian over its cell's coefficients, residuals in sigmas. Returns its
  * weight, which the robust loss makes less than 1 for an outlier. For samples that have been told
  * everything. */
 double placido_sample_row(double row[PLACIDO_SPLINE_CELL], const placido_sample *sample,
                           double sigma_px);
+
+/* The weight alone. */
+double placido_sample_weight(const placido_sample *sample, double sigma_px);
+
+/* Adds JᵀW e for `columns` columns of errors e in sigmas, which stand side by side sample by sample,
+ * to as many right-hand sides, which stand one after the other. */
+void placido_refinement_push(double *rights, const placido_refinement *r, const double *errors,
+                             int columns);
 
 /* Follows the rays to the shape as it stands, where that has not been done, and tells the samples
  * their residuals. */

@@ -36,11 +36,6 @@ typedef struct arc {
   size_t count;
 } arc;
 
-static double weight_of(const placido_sample *s, double sigma_px) {
-  double row[PLACIDO_SPLINE_CELL];
-  return placido_sample_row(row, s, sigma_px);
-}
-
 static bool counts(const placido_sample *s) {
   return s->used && !isnan(s->residual_px);
 }
@@ -53,7 +48,7 @@ static void sum_edges(arc *edges, const placido_refinement *r, const placido_mir
     if (counts(s)) {
       arc *edge = &edges[mires->points[s->point].edge];
       /* an offset of the edge is the same in px everywhere, in sigmas of the points it is not */
-      double weight = weight_of(s, r->sigma_px) / s->noise;
+      double weight = placido_sample_weight(s, r->sigma_px) / s->noise;
       edge->weight += weight / s->noise;
       edge->pull += weight * residual_px[i] / r->sigma_px;
       edge->count++;
@@ -119,7 +114,7 @@ static void map_arcs(map *m, const placido_refinement *r, const placido_mires *m
       here = (arc){0};
     }
     now = arc_here;
-    double weight = weight_of(s, r->sigma_px);
+    double weight = placido_sample_weight(s, r->sigma_px);
     double offset = offsets[mires->points[s->point].edge] / s->noise;
     double residual = residual_px[i] / r->sigma_px - offset;
     here.weight += weight;
@@ -140,20 +135,23 @@ static void window_of(double window[PLACES], const map *m, double at_mm) {
   }
 }
 
-/* The factor on the standard deviation at every coefficient. */
+/* The factor on the standard deviation at every coefficient: windows along y first, then along x. */
 static void spread_out(double *spread, const map *m, const placido_grid *grid) {
   double usual = m->expected_all > 0 ? m->shown_all / m->expected_all : 1;
   double prior = m->arcs ? PRIOR_ARCS * m->expected_all / (double)m->arcs : 1;
   for (int j = 0; j < grid->side; j++) {
-    double across[PLACES], along[PLACES];
-    window_of(across, m, (j - 2) * grid->knot_mm - grid->half_mm);
+    double window[PLACES], shown_line[PLACES] = {0}, expected_line[PLACES] = {0};
+    window_of(window, m, (j - 2) * grid->knot_mm - grid->half_mm);
+    for (int k = 0; k < PLACES * PLACES; k++) {
+      shown_line[k % PLACES] += window[k / PLACES] * m->shown[k];
+      expected_line[k % PLACES] += window[k / PLACES] * m->expected[k];
+    }
     for (int i = 0; i < grid->side; i++) {
-      window_of(along, m, (i - 2) * grid->knot_mm - grid->half_mm);
       double shown = prior * usual, expected = prior;
-      for (int k = 0; k < PLACES * PLACES; k++) {
-        double share = across[k / PLACES] * along[k % PLACES];
-        shown += share * m->shown[k];
-        expected += share * m->expected[k];
+      window_of(window, m, (i - 2) * grid->knot_mm - grid->half_mm);
+      for (int k = 0; k < PLACES; k++) {
+        shown += window[k] * shown_line[k];
+        expected += window[k] * expected_line[k];
       }
       spread[j * grid->side + i] = sqrt(shown / expected);
     }
@@ -196,7 +194,7 @@ static double curvature_at(const placido_refinement *r, const placido_mires *mir
 /* What is common to whole edges at a point: the waves over the edges times their standard
  * deviation, then the pulls of the blur; in sigmas of the point. */
 static void common_errors(double *errors, const placido_refinement *r, const placido_mires *mires,
-                          const double *variance, size_t i, int waves) {
+                          const double *edge_waves, size_t i, int waves) {
   const placido_sample *s = &r->samples[i];
   const placido_mire_point *point = &mires->points[s->point];
   double du = point->u_px - mires->centre_u_px, dv = point->v_px - mires->centre_v_px;
@@ -206,7 +204,7 @@ static void common_errors(double *errors, const placido_refinement *r, const pla
                                PULL_LONG_PX2 * round * sin(turn),
                                bow != 0 ? PULL_CURVED_PX2 * (bow - round) : 0};
   for (int m = 0; m < waves; m++) {
-    errors[m] = sqrt(variance[point->edge]) * wave(m, point->edge, mires->edge_count) / s->noise;
+    errors[m] = edge_waves[point->edge * waves + m] / s->noise;
   }
   for (int m = 0; m < PULLS; m++) {
     errors[waves + m] = pulls[m] / unit;
@@ -214,26 +212,25 @@ static void common_errors(double *errors, const placido_refinement *r, const pla
 }
 
 /* JᵀW applied to the common errors: all right-hand sides. */
-static void push(double *rights, const placido_refinement *r, const placido_mires *mires,
-                 const double *variance, int waves) {
-  int side = r->shape.grid->side;
-  size_t n = (size_t)side * (size_t)side;
+static int push(double *rights, const placido_refinement *r, const placido_mires *mires,
+                const double *variance, int waves, placido_error *err) {
+  double edge_waves[PLACIDO_EDGES_MAX * WAVES_MOST];
+  size_t columns = (size_t)(waves + PULLS);
+  double *errors = placido_memory_new(r->count, columns * sizeof *errors, err);
+  if (!errors) {
+    return PLACIDO_MEMORY;
+  }
+  for (int k = 0; k < mires->edge_count * waves; k++) {
+    edge_waves[k] = sqrt(variance[k / waves]) * wave(k % waves, k / waves, mires->edge_count);
+  }
   for (size_t i = 0; i < r->count; i++) {
-    const placido_sample *s = &r->samples[i];
-    if (!counts(s)) {
-      continue;
-    }
-    double row[PLACIDO_SPLINE_CELL], weight = placido_sample_row(row, s, r->sigma_px);
-    double errors[WAVES_MOST + PULLS];
-    common_errors(errors, r, mires, variance, i, waves);
-    for (int m = 0; m < waves + PULLS; m++) {
-      double pull = weight * errors[m];
-      double *corner = rights + (size_t)m * n + s->basis.row * side + s->basis.column;
-      for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
-        corner[k / PLACIDO_SPLINE_ORDER * side + k % PLACIDO_SPLINE_ORDER] += pull * row[k];
-      }
+    if (counts(&r->samples[i])) {
+      common_errors(errors + i * columns, r, mires, edge_waves, i, waves);
     }
   }
+  placido_refinement_push(rights, r, errors, (int)columns);
+  placido_memory_free(errors);
+  return PLACIDO_OK;
 }
 
 /* The variance of the common error of each edge: what the means of the edges about it show, robust,
@@ -280,7 +277,9 @@ int placido_scatter_find(placido_scatter *scatter, const placido_refinement *r,
   if (!status) {
     sum_edges(edges, r, mires, residual_px);
     find_common(variance, edges, edge_count, fmin(FOLLOWED_MOST, (double)radial / edge_count));
-    push(rights, r, mires, variance, scatter->steps - PULLS);
+    status = push(rights, r, mires, variance, scatter->steps - PULLS, err);
+  }
+  if (!status) {
     status = placido_normal_solve_more(r->normal, rights, scatter->steps, scatter->step, err);
   }
   if (!status) {

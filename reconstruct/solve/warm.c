@@ -2,6 +2,7 @@
  * so that a wider or narrower square has the same ones. */
 #include "reconstruct/solve/warm.h"
 
+#include "base/memory.h"
 #include "reconstruct/median.h"
 
 #include <math.h>
@@ -11,24 +12,6 @@
 #define NEAR_PX 8.0
 #define SHARE_LEAST 0.95 /* of the rays must meet the earlier surface */
 #define WORSE 1.25       /* times the earlier spread: not the same cornea, or other knots */
-
-/* Where the rays meet the earlier shape: their spread, which is INFINITY where too few do, and how
- * far out they lie. */
-static double spread_of(const placido_bundle *rays, double *work, double *reach_mm) {
-  size_t met = 0;
-  placido_bundle_tell(rays);
-  *reach_mm = 0;
-  for (size_t i = 0; i < rays->count; i++) {
-    const placido_sample *s = &rays->samples[i];
-    if (!isnan(s->residual_px)) {
-      work[met++] = fabs(s->residual_px);
-      *reach_mm = fmax(*reach_mm, fmax(fabs(s->hit.x), fabs(s->hit.y)));
-    }
-  }
-  return (double)met < SHARE_LEAST * (double)rays->count
-             ? (double)INFINITY
-             : 1.4826 * placido_quantile(work, met, 0.5);
-}
 
 /* The earlier coefficients on a square of the same knots; beyond the earlier square the outermost
  * ones go on. */
@@ -41,6 +24,35 @@ static void take_over(double *coefficients, const placido_grid *grid, const plac
       coefficients[j * grid->side + i] = -start->sags_mm[row * start->grid.side + column];
     }
   }
+}
+
+/* Where the rays meet the earlier shape: their spread, which is INFINITY where too few do, and how
+ * far out they lie. */
+static int trace(double *spread_px, double *reach_mm, const placido_conicoid *base,
+                 const placido_fit *start, placido_bundle *rays, int threads, placido_error *err) {
+  size_t met = 0, numbers = (size_t)start->grid.side * (size_t)start->grid.side;
+  double *work = placido_memory_new(numbers + rays->count, sizeof *work, err);
+  *reach_mm = 0;
+  int status = work ? placido_bundle_fit_grid(rays, &start->grid, err) : PLACIDO_MEMORY;
+  if (!status) {
+    double *residuals = work + numbers;
+    const placido_target target = {*base, &start->grid, work};
+    take_over(work, &start->grid, start);
+    placido_bundle_trace(rays, &target, threads);
+    placido_bundle_tell(rays);
+    for (size_t i = 0; i < rays->count; i++) {
+      const placido_sample *s = &rays->samples[i];
+      if (!isnan(s->residual_px)) {
+        residuals[met++] = fabs(s->residual_px);
+        *reach_mm = fmax(*reach_mm, fmax(fabs(s->hit.x), fabs(s->hit.y)));
+      }
+    }
+    *spread_px = (double)met < SHARE_LEAST * (double)rays->count
+                     ? (double)INFINITY
+                     : 1.4826 * placido_quantile(residuals, met, 0.5);
+  }
+  placido_memory_free(work);
+  return status;
 }
 
 /* Refines from the earlier coefficients; status PLACIDO_QUALITY where that leads nowhere. */
@@ -63,19 +75,14 @@ int placido_warm_start(placido_refinement *r, placido_conicoid *base, placido_gr
                        const placido_fit *start, placido_bundle *rays,
                        const placido_warm_options *options, placido_error *err) {
   placido_error ignored = {0};
-  double reach_mm;
+  double spread_px, reach_mm;
   *r = (placido_refinement){0};
   *base = start->base;
   base->apex_z_mm += options->axis_z_mm - start->axis_z_mm;
-  int status = placido_refinement_new(r, base, &start->grid, rays, options->smoothing,
-                                      options->steps_max, options->threads, err);
+  int status = trace(&spread_px, &reach_mm, base, start, rays, options->threads, err);
   if (status) {
     return status;
   }
-  take_over(r->coefficients, &start->grid, start);
-  placido_refinement_trace(r);
-  double spread_px = spread_of(rays, r->work, &reach_mm);
-  placido_refinement_free(r);
   *grid = placido_grid_covering(reach_mm + options->margin_mm, start->grid.knot_mm);
   if (spread_px < NEAR_PX) {
     status = refine(r, base, grid, start, rays, options, &ignored);

@@ -32,6 +32,10 @@ figure 'reading the frame once'
 compared 'guidance of a frame' 'reading the frame once'
 compared 'mires of a frame' 'reading the frame once'
 compared 'surface with its error bars' 'reading the frame once'
+for stage in 'mires of a frame' 'surface with its error bars' 'surface from the frame before'; do
+  compared "$stage" 'one evaluation of residuals'
+done
+compared 'live topography' '30 frames/s'
 if grep -q '^simulate: ' out.txt; then
   fail "simulate runs without being named"
 fi

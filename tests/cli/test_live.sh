@@ -37,8 +37,29 @@ says ' hold$' out.txt
 QT_QPA_PLATFORM=offscreen succeed live 'good.png?loop=1' --instrument cone24 --window --frames 3
 says '^3 frames judged' out.txt
 
+# Topography: the normal eye's keratometry, or why there is none.
+succeed live 'good.png?speed=0' --instrument cone24 --topography
+says ' hold  K 4[0-9]\.[0-9]+ D @ [0-9]+, 4[0-9]\.[0-9]+ D @ [0-9]+, cylinder [0-9.]+ D$' out.txt
+says '^1 frames measured, 1 with a surface$' out.txt
+"$PLACIDO" phantom --eye normal --instrument cone24 --noise 3 --blur 12 -o dull.png -q
+succeed live 'dull.png?speed=0' --instrument cone24 --topography
+says ' no topography: .*mires' out.txt
+says '^1 frames measured, 0 with a surface$' out.txt
+succeed live 'good.png?loop=1' --instrument cone24 --topography --frames 3 --json
+head -n 1 out.txt > frame.json
+json frame.json - topography.measured topography.sequence topography.simk_flat_D \
+  topography.simk_flat_axis_deg topography.simk_steep_D topography.simk_steep_axis_deg \
+  topography.simk_cylinder_D topography.refusal topography.measure_ms
+tail -n 1 out.txt > end.json
+json end.json - measured corneas
+QT_QPA_PLATFORM=offscreen succeed live 'good.png?loop=1' --instrument cone24 --window --topography --frames 20
+says ' cylinder ' out.txt
+
 if [ "$SESSIONS" = ON ]; then
   "$PLACIDO" phantom --eye keratoconus --instrument cone24 --noise 3 --frames 12 -o eye.session -q
+  succeed live 'eye.session?speed=0' --topography
+  says '^12 frames measured, (8|9|10|11|12) with a surface$' out.txt
+  says ' K [0-9.]+ D @ ' out.txt
   succeed live 'eye.session?speed=0'
   says ' blink ' out.txt
   says '^12 frames judged' out.txt

@@ -9,8 +9,8 @@
  * placido_surface_free. */
 placido_surface *make_cornea(double radius_mm);
 
-/* Writes what a CSO topographer would export of it: `gap` leaves out the outer rings on a quarter of
- * the meridians. */
+/* Writes what a CSO topographer would export of it: `gap` leaves out the outer rings on a quarter
+ * of the meridians. */
 void write_cso(const char *path, const placido_surface *surface, bool gap);
 
 /* A file of the working directory, removed by the caller. */

@@ -132,7 +132,7 @@ static void keratometry_follows_the_makers_rule(void **state) {
   /* rings wobble by 2 % of their radius here, which is nothing to the power */
   assert_true(fabs(index_called(values, count, "simk_flat_D") - 337.5 / sum) < 0.01);
   assert_true(index_called(values, count, "simk_steep_D") > 337.5 / sum + 0.5);
-  /* rings shifted by their own radius times 1 %: the indices of real eyes are near */
+  /* the rings are neither circles nor concentric, so that there is something to tell */
   assert_true(index_called(values, count, "placido_pi_1") >= 0);
   placido_fit_free(fit);
   placido_elevation_free(&elevation);
@@ -290,7 +290,10 @@ static void units_signs_and_separators_are_understood(void **state) {
     placido_elevation_options options;
   } ways[] = {
       {"x_mm,y_mm,z_mm\n", "%.9g,%.9g,%.12g\n", 1, {.z_mm = 0}},
-      {"\xEF\xBB\xBF\"x (mm)\";\"y (mm)\";\"sag (um)\"\r\n", "%.9g;%.9g;%.12g\r\n", -1e3, {.z_mm = 0}},
+      {"\xEF\xBB\xBF\"x (mm)\";\"y (mm)\";\"sag (um)\"\r\n",
+       "%.9g;%.9g;%.12g\r\n",
+       -1e3,
+       {.z_mm = 0}},
       {"# a comment\nX Y Z\n", "%.9g  %.9g\t%.12g\n", 1, {.z_mm = 0}},
       {"", "%.9g\t%.9g\t%.12g\n", -1e3, {.z_mm = 1e-3}},
       {"", "%.9g,%.9g,%.12g\n", 1e3, {.z_mm = 1e-3, .sign = PLACIDO_HEIGHT_UP}},
@@ -321,8 +324,8 @@ static void units_signs_and_separators_are_understood(void **state) {
   placido_surface_free(truth);
 }
 
-/* Others' files, where they are there: they are not part of the project. Of N01 and K02 the header's
- * keratometry, and indices that rPACI gives. */
+/* Others' files, where they are there: they are not part of the project. Of N01 and K02 the
+ * header's keratometry, and indices that rPACI gives. */
 static void real_exports_have_their_headers_keratometry(void **state) {
   (void)state;
   static const struct {

@@ -137,10 +137,12 @@ static void a_cone_that_grew_is_found(void **state) {
   assert_int_equal(placido_align(&alignment, &before, &after, NULL), PLACIDO_OK);
   assert_int_equal(placido_difference_new(&difference, &before, &after, &alignment, NULL),
                    PLACIDO_OK);
-  int steepest = HALF * after.size + HALF;
+  int steepest = HALF * after.size + HALF + 20;
   const double *values = difference.values[PLACIDO_DIFFERENCE_TANGENTIAL];
   for (int k = 0; k < difference.size * difference.size; k++) {
-    if (difference.valid[k] && values[k] > values[steepest]) {
+    /* within a vertex's reach meridians of the two run every way */
+    double r = 0.1 * hypot(k % difference.size - HALF, k / difference.size - HALF);
+    if (difference.valid[k] && r > 0.7 && values[k] > values[steepest]) {
       steepest = k;
     }
   }
@@ -177,16 +179,16 @@ static void a_moved_jet_is_the_jet_of_the_moved_height(void **state) {
   placido_motion motion = placido_motion_of(terms);
   placido_moved at[9], centre;
   for (int k = 0; k < 9; k++) {
-    assert_true(placido_moved_at(&at[k], &eye, &motion, 0.7 + (k % 3 - 1) * h,
-                                 -1.1 + (k / 3 - 1) * h));
+    assert_true(
+        placido_moved_at(&at[k], &eye, &motion, 0.7 + (k % 3 - 1) * h, -1.1 + (k / 3 - 1) * h));
   }
   centre = at[4];
   assert_near(centre.jet.sx, -(at[5].z_mm - at[3].z_mm) / (2 * h), 1e-8);
   assert_near(centre.jet.sy, -(at[7].z_mm - at[1].z_mm) / (2 * h), 1e-8);
   assert_near(centre.jet.sxx, -(at[5].z_mm - 2 * centre.z_mm + at[3].z_mm) / (h * h), 1e-6);
   assert_near(centre.jet.syy, -(at[7].z_mm - 2 * centre.z_mm + at[1].z_mm) / (h * h), 1e-6);
-  assert_near(centre.jet.sxy,
-              -(at[8].z_mm - at[6].z_mm - at[2].z_mm + at[0].z_mm) / (4 * h * h), 1e-6);
+  assert_near(centre.jet.sxy, -(at[8].z_mm - at[6].z_mm - at[2].z_mm + at[0].z_mm) / (4 * h * h),
+              1e-6);
   placido_measured_free(&eye);
 }
 

@@ -111,6 +111,136 @@ static void a_spheres_refractive_power_follows_snell(void **state) {
   placido_surface_free(surface);
 }
 
+/* References of the very shapes that they are: nothing is left over them. */
+static void a_conicoid_has_no_elevation_over_itself(void **state) {
+  (void)state;
+  placido_surface *surface = conicoid_eye(7.7, -0.4, 0.3, -0.2);
+  placido_maps maps = maps_of(surface);
+  const placido_conicoid_shape *conic = &maps.references[PLACIDO_REFERENCE_CONIC];
+  assert_near(1 / conic->c_mm1, 7.7, 1e-9);
+  assert_near(conic->p, 0.6, 1e-9);
+  assert_near(conic->x_mm, 0.3, 1e-9);
+  assert_near(conic->y_mm, -0.2, 1e-9);
+  assert_near(conic->z_mm, 0, 1e-10);
+  assert_near(maps.vertex_mm[0], 0.3, 1e-9);
+  assert_near(maps.vertex_mm[1], -0.2, 1e-9);
+  for (int j = 0; j < maps.size; j++) {
+    for (int i = 0; i < maps.size; i++) {
+      if (is_inside(&maps, i, j)) {
+        assert_near(map_at(&maps, "elevation_conic", i, j), 0, 1e-7);
+        assert_near(map_at(&maps, "elevation_toric", i, j), 0, 1e-7);
+        /* about its own vertex a conicoid has its textbook powers wherever it stands */
+        double r =
+            hypot(placido_maps_position(&maps, i) - 0.3, placido_maps_position(&maps, j) + 0.2);
+        double radius = sqrt(7.7 * 7.7 + 0.4 * r * r);
+        assert_near(map_at(&maps, "axial_vertex", i, j), 337.5 / radius, 1e-7);
+        assert_near(map_at(&maps, "tangential_vertex", i, j), 337.5 * 7.7 * 7.7 / pow(radius, 3),
+                    1e-7);
+      }
+    }
+  }
+  placido_maps_free(&maps);
+  placido_surface_free(surface);
+}
+
+static void a_toric_conicoid_has_no_elevation_over_itself(void **state) {
+  (void)state;
+  const double axes[] = {0, 35, 90, 150};
+  for (int a = 0; a < 4; a++) {
+    placido_part part = {.kind = PLACIDO_PART_BICONIC,
+                         .as.biconic = {8.1, -0.3, 7.4, -0.3, axes[a], -0.2, 0.4}};
+    placido_surface *surface = eye_of(&part, 1);
+    placido_maps maps = maps_of(surface);
+    const placido_conicoid_shape *toric = &maps.references[PLACIDO_REFERENCE_TORIC];
+    double angle = 2 * axes[a] * 3.14159265358979323846 / 180;
+    double half = (1 / 7.4 - 1 / 8.1) / 2; /* along the axis flatter by that, across steeper */
+    assert_near(toric->c_mm1, (1 / 8.1 + 1 / 7.4) / 2, 1e-11);
+    assert_near(toric->d_mm1, -half * cos(angle), 1e-11);
+    assert_near(toric->e_mm1, -half * sin(angle), 1e-11);
+    assert_near(toric->p, 0.7, 1e-9);
+    for (int j = 0; j < maps.size; j += 3) {
+      for (int i = 0; i < maps.size; i += 3) {
+        if (is_inside(&maps, i, j)) {
+          assert_near(map_at(&maps, "elevation_toric", i, j), 0, 1e-7);
+        }
+      }
+    }
+    placido_maps_free(&maps);
+    placido_surface_free(surface);
+  }
+}
+
+static placido_maps maps_with(const placido_surface *surface, placido_maps_options options) {
+  placido_maps maps;
+  placido_error err = {0};
+  if (placido_maps_find_all(&maps, surface, NULL, &options, 0.1, &err)) {
+    fail_msg("%s", err.text);
+  }
+  return maps;
+}
+
+static void the_reference_is_of_the_chosen_zone(void **state) {
+  (void)state;
+  placido_surface *surface = conicoid_eye(7.8, -0.5, 0, 0);
+  placido_maps narrow = maps_with(surface, (placido_maps_options){.zone_mm = 3});
+  placido_maps wide = maps_of(surface);
+  assert_near(narrow.sphere.zone_mm, 3, 0);
+  assert_near(wide.references[PLACIDO_REFERENCE_TORIC].zone_mm, 8, 0);
+  assert_true(narrow.sphere.radius_mm < wide.sphere.radius_mm - 0.05); /* it flattens outwards */
+  placido_maps_free(&narrow);
+  placido_maps_free(&wide);
+  placido_surface_free(surface);
+}
+
+/* All rays of the perfect ellipsoid meet in its far focus, at n R/(n - 1) behind the apex: with the
+ * fovea there nothing misses it, and both powers are n over the way to it. */
+static void the_perfect_ellipsoid_misses_no_fovea(void **state) {
+  (void)state;
+  const double n = 1.376, focus = n * 7.8 / (n - 1);
+  placido_surface *surface = conicoid_eye(7.8, -1 / (n * n), 0, 0);
+  placido_maps maps = maps_with(surface, (placido_maps_options){.index = n, .retina_mm = focus});
+  for (int j = 0; j < maps.size; j++) {
+    for (int i = 0; i < maps.size; i++) {
+      if (is_inside(&maps, i, j)) {
+        double r = distance_of(&maps, i, j), z = maps.z_mm[j * maps.size + i] + focus;
+        double power = 1000 * n / hypot(r, z);
+        assert_near(map_at(&maps, "axial_refractive", i, j), power, 1e-8);
+        assert_near(map_at(&maps, "instantaneous_refractive", i, j), power, 1e-8);
+        assert_near(map_at(&maps, "focusing_distance", i, j), 0, 1e-8);
+        assert_near(map_at(&maps, "retinal_distance", i, j), 0, 1e-9);
+      }
+    }
+  }
+  placido_maps_free(&maps);
+  placido_surface_free(surface);
+}
+
+/* A sphere by trigonometry: i the incidence, t the refraction, the ray descends at i - t. It
+ * crosses the axis after r/sin(i - t), and meets its neighbour after R n cos² t/(n cos t - cos i)
+ * (Coddington's equation for a distant source). */
+static void a_sphere_focuses_as_coddington_says(void **state) {
+  (void)state;
+  const double radius = 7.8, retina = 31;
+  placido_surface *surface = conicoid_eye(radius, 0, 0, 0);
+  placido_maps maps = maps_with(surface, (placido_maps_options){.retina_mm = retina});
+  assert_near(map_at(&maps, "axial_refractive", maps.half, maps.half), 337.5 / radius, 1e-9);
+  for (int i = maps.half + 1; i < maps.size; i++) {
+    double r = placido_maps_position(&maps, i), in = asin(r / radius), t = asin(r / radius / INDEX);
+    double to_axis = r / sin(in - t);
+    double to_focus = radius * INDEX * cos(t) * cos(t) / (INDEX * cos(t) - cos(in));
+    double depth = radius * (1 - cos(in));
+    double x = r - to_focus * sin(in - t), z = depth + to_focus * cos(in - t) - retina;
+    assert_near(map_at(&maps, "axial_refractive", i, maps.half), 1000 * INDEX / to_axis, 1e-9);
+    assert_near(map_at(&maps, "instantaneous_refractive", i, maps.half), 1000 * INDEX / to_focus,
+                1e-9);
+    assert_near(map_at(&maps, "focusing_distance", i, maps.half), hypot(x, z), 1e-10);
+    assert_near(map_at(&maps, "retinal_distance", i, maps.half),
+                fabs(r - (retina - depth) * tan(in - t)), 1e-11);
+  }
+  placido_maps_free(&maps);
+  placido_surface_free(surface);
+}
+
 /* An eye turned by 90 degrees gives maps turned by 90 degrees: (i, j) goes to (-j, i) about the
  * middle. */
 static void a_turned_eye_has_turned_maps(void **state) {
@@ -261,6 +391,11 @@ int main(void) {
       cmocka_unit_test(a_toric_apex_has_both_curvatures),
       cmocka_unit_test(the_perfect_ellipsoid_has_one_refractive_power),
       cmocka_unit_test(a_spheres_refractive_power_follows_snell),
+      cmocka_unit_test(a_conicoid_has_no_elevation_over_itself),
+      cmocka_unit_test(a_toric_conicoid_has_no_elevation_over_itself),
+      cmocka_unit_test(the_reference_is_of_the_chosen_zone),
+      cmocka_unit_test(the_perfect_ellipsoid_misses_no_fovea),
+      cmocka_unit_test(a_sphere_focuses_as_coddington_says),
       cmocka_unit_test(a_turned_eye_has_turned_maps),
       cmocka_unit_test(elevation_is_positive_towards_the_camera),
       cmocka_unit_test(the_sphere_floats),

@@ -186,8 +186,8 @@ static void edges_are_where_they_say(void **state) {
   placido_frame_free(&clean);
 }
 
-/* Saturated spots lie across the mires like a lamp's reflections. What is measured beside them stays
- * where it is: off by no more than a third of the distance to the next edge would allow. */
+/* Saturated spots lie across the mires like a lamp's reflections. What is measured beside them
+ * stays where it is: the next edge is 9 px away, and a spot's border would be off by some pixels. */
 static void glare_is_no_edge(void **state) {
   (void)state;
   static const picture bright = {"glare", "normal", "cone24", 1, 0.8, 1.2, 0, 0, 0, 0};
@@ -276,8 +276,8 @@ static void threads_change_nothing(void **state) {
   placido_surface_free(eye);
 }
 
-/* A cubic B-spline kernel adds a known variance: the plane u² comes out larger by the variance along
- * u, and v² by that along v, whatever the meridian; a tilted plane comes out as it is. */
+/* Gathering pixels adds a known variance: the bowl u² + v² comes out higher by it, whatever the
+ * meridian. */
 static void the_kernel_blurs_as_it_says(void **state) {
   (void)state;
   placido_image plane;

@@ -99,33 +99,84 @@ static void hard_eyes_are_measured_rightly(void **state) {
   }
 }
 
-/* Two points of this cornea mirror the same mire. Whatever is fitted through that is wrong by tens
- * of micrometres at a residual that looks fine. */
-static void a_fold_is_refused(void **state) {
+/* The largest error of elevation at any point that is covered; the median within 3 mm removed. */
+static double worst_um(const placido_surface *found, const placido_surface *truth) {
+  enum { HALF = 50 };
+  static double errors[(2 * HALF + 1) * (2 * HALF + 1)], inner[(2 * HALF + 1) * (2 * HALF + 1)];
+  size_t n = 0, near = 0;
+  for (int j = -HALF; j <= HALF; j++) {
+    for (int i = -HALF; i <= HALF; i++) {
+      double x = 0.1 * i, y = 0.1 * j;
+      placido_jet a, b;
+      if (placido_surface_covered(found, x, y) && placido_surface_at(found, x, y, &a) &&
+          placido_surface_at(truth, x, y, &b)) {
+        errors[n] = 1e3 * (b.sag - a.sag);
+        inner[near] = errors[n++];
+        near += hypot(x, y) <= 1.5;
+      }
+    }
+  }
+  double worst = 0, piston = 0;
+  for (size_t k = 0; k < near; k++) { /* the value with as many above as below */
+    size_t above = 0;
+    for (size_t m = 0; m < near; m++) {
+      above += inner[m] > inner[k];
+    }
+    piston = above == near / 2 ? inner[k] : piston;
+  }
+  for (size_t k = 0; k < n; k++) {
+    worst = fmax(worst, fabs(errors[k] - piston));
+  }
+  return worst;
+}
+
+/* Two points of these corneas mirror the same mire. Whatever is fitted through that is wrong by tens
+ * of micrometres at a residual that looks fine: it is refused, or the map has a hole there and is
+ * right elsewhere. */
+static void a_fold_is_refused_or_left_out(void **state) {
   (void)state;
   static const hard_case folds[] = {
-      {"fold", "cone24", {CONIC(7.8, -0.2, 0, 0), CONE(0.10, 0.42, 0.5, -1)}, 2, .edges = 0},
-      {"fold", "disc18", {CONIC(7.8, -0.2, 0, 0), CONE(0.10, 0.42, 0.5, -1)}, 2, .edges = 0},
+      {"10/42", "cone24", {CONIC(7.8, -0.2, 0, 0), CONE(0.10, 0.42, 0.5, -1)}, 2, .edges = 0},
+      {"10/42", "disc18", {CONIC(7.8, -0.2, 0, 0), CONE(0.10, 0.42, 0.5, -1)}, 2, .edges = 0},
+      {"10/40", "cone24", {CONIC(7.7, -0.3, 0, 0), CONE(0.10, 0.40, 0.4, -0.8)}, 2, .edges = 0},
+      {"10/45", "cone24", {CONIC(7.7, -0.3, 0, 0), CONE(0.10, 0.45, 0.4, -0.8)}, 2, .edges = 0},
+      {"12/40", "cone24", {CONIC(7.7, -0.3, 0, 0), CONE(0.12, 0.40, 0.4, -0.8)}, 2, .edges = 0},
+      {"10/42", "cone24", {CONIC(7.7, -0.3, 0, 0), CONE(0.10, 0.42, -1, 1.4)}, 2, .edges = 0},
+      {"10/42", "cone24", {CONIC(7.7, -0.3, 0, 0), CONE(0.10, 0.42, 0.1, 0.2)}, 2, .edges = 0},
   };
   for (size_t i = 0; i < sizeof folds / sizeof folds[0]; i++) {
     const hard_case *c = &folds[i];
     placido_instrument instrument = instrument_of(c);
     placido_surface *truth;
+    placido_jet jet;
     assert_int_equal(placido_surface_new(&truth, 0, 6, c->parts, 2, NULL, NULL), PLACIDO_OK);
+    assert_true(placido_surface_at(truth, 0, 0, &jet));
     placido_disturbance usual = {.seed = 3, .blur_px = 0.8, .noise = 1.2};
     placido_frame frame = {0};
     assert_int_equal(placido_phantom_render(&frame, truth, &instrument, &usual, 2, NULL),
                      PLACIDO_OK);
     placido_mires mires;
     placido_fit *fit = NULL;
-    placido_fit_options options = {.threads = 2};
-    int status = placido_mires_find(&mires, &frame, &instrument, NULL, NULL, NULL);
+    placido_notes notes = {0};
+    placido_error err = {0};
+    placido_fit_options options = {.axis_z_mm = -jet.sag, .threads = 2};
+    int status = placido_mires_find(&mires, &frame, &instrument, NULL, &notes, &err);
     if (!status) {
-      status = placido_fit_new(&fit, &mires, &instrument, &options, NULL, NULL);
+      status = placido_fit_new(&fit, &mires, &instrument, &options, &notes, &err);
       placido_mires_free(&mires);
     }
-    assert_int_equal(status, PLACIDO_QUALITY);
-    assert_null(fit);
+    if (status) {
+      print_message("%s %s: %s\n", c->name, c->instrument, err.text);
+      assert_int_equal(status, PLACIDO_QUALITY);
+      assert_null(fit);
+    } else {
+      double worst = worst_um(placido_fit_surface(fit), truth);
+      print_message("%s %s: %.3f um at worst\n", c->name, c->instrument, worst);
+      assert_true(worst < 1);
+      assert_true(notes.count > 0);
+    }
+    placido_notes_clear(&notes);
+    placido_fit_free(fit);
     placido_frame_free(&frame);
     placido_surface_free(truth);
   }
@@ -133,6 +184,6 @@ static void a_fold_is_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(hard_eyes_are_measured_rightly),
-                                     cmocka_unit_test(a_fold_is_refused)};
+                                     cmocka_unit_test(a_fold_is_refused_or_left_out)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 /* The figures of the accuracy test and of the wavefront: they show what they are given. */
 #include "report/iso.h"
+#include "report/reduce.h"
 #include "tests/base/scratch.h"
 #include "tests/report/fabricate.h"
 
@@ -120,8 +121,45 @@ static void the_page_tells_what_failed(void **state) {
   free(folder);
 }
 
+static void few_colours_are_kept_as_they_are(void **state) {
+  (void)state;
+  placido_canvas canvas;
+  placido_reduced reduced;
+  assert_int_equal(placido_canvas_new(&canvas, 40, 10, NULL), PLACIDO_OK);
+  placido_canvas_ink(&canvas, (placido_rgb){1, 0, 0});
+  cairo_rectangle(canvas.cr, 0, 0, 20, 10);
+  cairo_fill(canvas.cr);
+  assert_int_equal(placido_reduce(&reduced, &canvas, NULL), PLACIDO_OK);
+  assert_int_equal(reduced.count, 2);
+  const uint8_t *left = reduced.colours[reduced.indices[0]];
+  const uint8_t *right = reduced.colours[reduced.indices[39]];
+  assert_true(left[0] == 255 && left[1] == 0 && left[2] == 0);
+  assert_true(right[0] == 255 && right[1] == 255 && right[2] == 255);
+  placido_reduced_free(&reduced);
+  placido_canvas_free(&canvas);
+}
+
+/* A colour cube of 32 steps a side: the nearest of 256 colours would be some 12 of 255 off. */
+static void a_photograph_keeps_its_colours(void **state) {
+  (void)state;
+  placido_canvas canvas;
+  placido_reduced reduced;
+  assert_int_equal(placido_canvas_new(&canvas, 256, 128, NULL), PLACIDO_OK);
+  for (int k = 0; k < 32 * 32 * 32; k++) {
+    placido_canvas_ink(&canvas, (placido_rgb){k % 32 / 31.0, k / 32 % 32 / 31.0, k / 1024 / 31.0});
+    cairo_rectangle(canvas.cr, k % 256, k / 256, 1, 1);
+    cairo_fill(canvas.cr);
+  }
+  assert_int_equal(placido_reduce(&reduced, &canvas, NULL), PLACIDO_OK);
+  assert_int_equal(reduced.count, 0);
+  placido_reduced_free(&reduced);
+  placido_canvas_free(&canvas);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(few_colours_are_kept_as_they_are),
+      cmocka_unit_test(a_photograph_keeps_its_colours),
       SCRATCH_TEST(bars_point_where_the_terms_do),
       SCRATCH_TEST(a_zone_stands_at_its_mean),
       SCRATCH_TEST(the_page_tells_what_failed),

@@ -21,6 +21,8 @@ static void the_standard_deviation_sets_the_digits(void **state) {
   assert_measure(-0.2213, 0.013, "−0.221 ± 0.013");
   assert_measure(172.31, 12, "172 ± 12");
   assert_measure(0.0164366, 0.00012, "0.01644 ± 0.00012");
+  assert_measure(0.0636251, 0.000043, "0.06363 ± 0.00004");
+  assert_measure(99.9999967, 6.4e-7, "100.00000 ± <0.00001");
 }
 
 static void without_one_a_value_has_four_digits(void **state) {
