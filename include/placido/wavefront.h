@@ -3,8 +3,8 @@
 #ifndef PLACIDO_WAVEFRONT_H
 #define PLACIDO_WAVEFRONT_H
 
+#include <placido/eye.h>
 #include <placido/notes.h>
-#include <placido/simulate.h>
 #include <placido/status.h>
 #include <placido/surface.h>
 #include <placido/zernike.h>

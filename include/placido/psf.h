@@ -1,0 +1,54 @@
+/* The point spread function: what becomes of a distant point of light. */
+#ifndef PLACIDO_PSF_H
+#define PLACIDO_PSF_H
+
+#include <placido/eye.h>
+#include <placido/notes.h>
+#include <placido/status.h>
+#include <placido/surface.h>
+#include <stdbool.h>
+
+/* How it is computed; zero means the default in brackets. */
+typedef struct placido_optics {
+  int samples;          /* crosshatch of N×N plus (N-1)×(N-1) rays over the pupil's square [400,
+                           100 with cwhatuc] */
+  int buckets;          /* of the PSF, odd [257] */
+  double bucket_arcmin; /* [0.5] */
+  bool cwhatuc;         /* the seed's fixed 2.5 µm buckets, each called half a minute */
+  int threads;          /* [1] */
+} placido_optics;
+
+/* A point spread function as the patient sees it: row 0 is up, column 0 is left in the visual
+ * field. Values sum to the share of the entered rays that landed within it. */
+typedef struct placido_psf {
+  int n;
+  double bucket_arcmin, bucket_um;
+  double *values;            /* n * n, rows outer */
+  double pupil_mm;
+  double index, retina_mm;
+  placido_correction correction;
+  long rays, rays_entered, rays_landed; /* pattern; inside the pupil and refracted; in a bucket */
+  long rays_missed;          /* outside the surface or totally reflected; never silently dropped */
+  double strehl_g;           /* maximum count of a bucket divided by rays_landed */
+  double centre_x_um, centre_y_um; /* retinal point at the middle of the centre bucket: the point of
+                                      fixation, where the light is densest within about 1' */
+} placido_psf;
+
+/* Searches what is left open in `eye` (retina distance, cross-cylinder) for the best focus, traces
+ * the rays and fills the PSF. Angles on the retina are those at the nodal point, retina_mm less the
+ * apical radius at the pupil's centre. `found` (may be NULL) receives the eye with everything
+ * decided and `correct` cleared: it traces to the same PSF. Free with placido_psf_free. Returns
+ * PLACIDO_OK, PLACIDO_INPUT (an argument out of range), PLACIDO_QUALITY (surface does not fill the
+ * pupil, or no focus), PLACIDO_MEMORY. */
+int placido_psf_new(placido_psf *psf, placido_eye *found, const placido_surface *surface,
+                    const placido_eye *eye, const placido_optics *optics, placido_notes *notes,
+                    placido_error *err);
+void placido_psf_free(placido_psf *psf);
+
+/* Writes psf.csv and psf.json (docs/formats.md) by way of temporary names. `seconds` is the time
+ * that it took. */
+int placido_psf_save_csv(const placido_psf *psf, const char *path, placido_error *err);
+int placido_psf_save_json(const placido_psf *psf, double seconds, const char *path,
+                          placido_error *err);
+
+#endif
