@@ -1,11 +1,13 @@
-/* Selection by partition about a pivot near the wanted element (Floyd and Rivest, Commun. ACM 18:165,
- * 1975), without branches that a processor would have to guess. */
+/* Selection by partition about a pivot near the wanted element (Floyd and Rivest, Commun. ACM
+ * 18:165, 1975), without branches that a processor would have to guess. */
 #include "reconstruct/median.h"
 
 #include <math.h>
 
-#define FEW 32
-#define SAMPLE 31 /* elements that the pivot is taken from */
+#define FEW 12
+#define MANY 500
+#define SAMPLE_FEW 5 /* elements that the pivot is taken from */
+#define SAMPLE_MANY 31
 
 static void sort(double *values, ptrdiff_t count) {
   for (ptrdiff_t i = 1; i < count; i++) {
@@ -18,15 +20,15 @@ static void sort(double *values, ptrdiff_t count) {
   }
 }
 
-/* An element that should lie just on the wanted one's farther side from the nearer end, so that
- * what is left is small. */
+/* An element that should lie near the wanted one. */
 static double pivot_of(const double *values, ptrdiff_t count, ptrdiff_t wanted) {
-  double some[SAMPLE];
-  for (ptrdiff_t i = 0; i < SAMPLE; i++) {
-    some[i] = values[i * (count - 1) / (SAMPLE - 1)];
+  double some[SAMPLE_MANY];
+  const ptrdiff_t sample = count < MANY ? SAMPLE_FEW : SAMPLE_MANY;
+  for (ptrdiff_t i = 0; i < sample; i++) {
+    some[i] = values[i * (count - 1) / (sample - 1)];
   }
-  sort(some, SAMPLE);
-  return some[wanted * (SAMPLE - 1) / (count - 1)];
+  sort(some, sample);
+  return some[(wanted * (sample - 1) + (count - 1) / 2) / (count - 1)];
 }
 
 /* Brings what is less than the pivot to the front; returns how many that are. With `equal` what

@@ -30,7 +30,7 @@ static int read_angle(double *tangent, const placido_json *json, int width_px,
   double arcmin;
   (void)width_px;
   int status = positive(json, "calibration.value", 600, &arcmin, err);
-  *tangent = tan(arcmin * PLACIDO_ARCMIN_RAD);
+  *tangent = 2 * tan(arcmin * PLACIDO_ARCMIN_RAD / 2);
   return status;
 }
 
@@ -103,7 +103,7 @@ int placido_calibration_read(double *arcmin_per_px, const placido_json *json, in
       double tangent;
       placido_json_warn_unknown(json, "calibration", kinds[i].known, notes);
       status = kinds[i].read(&tangent, json, width_px, err);
-      *arcmin_per_px = atan(tangent) / PLACIDO_ARCMIN_RAD;
+      *arcmin_per_px = 2 * atan(tangent / 2) / PLACIDO_ARCMIN_RAD;
       return status;
     }
   }

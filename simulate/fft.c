@@ -9,6 +9,14 @@
 
 static pthread_mutex_t planner = PTHREAD_MUTEX_INITIALIZER;
 
+void placido_fft_lock(void) {
+  pthread_mutex_lock(&planner);
+}
+
+void placido_fft_unlock(void) {
+  pthread_mutex_unlock(&planner);
+}
+
 int placido_fft_good_length(int length) {
   const int primes[] = {2, 3, 5, 7};
   for (int good = length + length % 2;; good += 2) {

@@ -26,6 +26,10 @@ void placido_fft_free(placido_fft *fft);
 /* Sizes only, for at least columns × rows. */
 placido_fft placido_fft_shape(int columns, int rows);
 
+/* FFTW's planner is one for the whole process: who makes or destroys plans of his own holds this. */
+void placido_fft_lock(void);
+void placido_fft_unlock(void);
+
 /* In place; forward then backward multiplies by columns × rows. Any number of threads. */
 void placido_fft_forward(const placido_fft *fft, float *plane);
 void placido_fft_backward(const placido_fft *fft, float *plane);

@@ -1,10 +1,11 @@
 /* A scene as the patient sees it: brought to the PSF's scale, spread by it, its bleed cut off. */
-#include "base/cv/cv.h"
 #include "simulate/convolve.h"
+#include "simulate/resample.h"
 
 #include <placido/simulate.h>
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 /* Scales that differ by less than this are one: a monitor's distance is not known better. */
@@ -32,56 +33,129 @@ static int check(const placido_scene *scene, const placido_psf *psf, int threads
   if (threads < 0 || threads > 256) {
     return placido_error_set(err, PLACIDO_INPUT, "%d threads, expected 0 to 256", threads);
   }
-  if (scene->arcmin_per_px > psf->bucket_arcmin * (1 + scale_tolerance)) {
+  if (placido_scene_coarse(scene, psf) && !scene->allow_coarse) {
     return placido_error_set(err, PLACIDO_QUALITY,
                              "scene %s is too coarse: a pixel is %.4g', the PSF's bucket %.4g'; "
-                             "the blur would be hidden in the pixels (finer picture, or watched "
-                             "from farther away)",
+                             "the blur would be hidden in the pixels (finer picture, watched from "
+                             "farther away, or --allow-coarse)",
                              scene->name, scene->arcmin_per_px, psf->bucket_arcmin);
   }
   return PLACIDO_OK;
 }
 
-/* Sizes in buckets: of the picture that is seen, and of its bleed. */
+/* Sizes in buckets: of the picture that is seen, and of its bleed; and a bucket in pixels. */
 typedef struct frame_size {
   int width, height, bleed;
+  double step;
 } frame_size;
+
+bool placido_scene_coarse(const placido_scene *scene, const placido_psf *psf) {
+  return scene->arcmin_per_px > psf->bucket_arcmin * (1 + scale_tolerance);
+}
 
 static int find_size(const placido_scene *scene, const placido_psf *psf, frame_size *size,
                      placido_error *err) {
   double ratio = scene->arcmin_per_px / psf->bucket_arcmin;
-  if (ratio >= 1 - scale_tolerance) {
+  if (fabs(ratio - 1) <= scale_tolerance) {
     ratio = 1;
   }
-  size->bleed = (int)lround(scene->bleed_px * ratio);
-  size->width = (int)lround((scene->image.width_px - 2 * scene->bleed_px) * ratio);
-  size->height = (int)lround((scene->image.height_px - 2 * scene->bleed_px) * ratio);
-  int side_max = side_max_px - 2 * size->bleed;
-  if (size->width >= 1 && size->height >= 1 && size->width <= side_max &&
-      size->height <= side_max) {
-    return PLACIDO_OK;
+  double bleed = round(scene->bleed_px * ratio), max = side_max_px - 2 * bleed;
+  double width = round((scene->image.width_px - 2 * scene->bleed_px) * ratio);
+  double height = round((scene->image.height_px - 2 * scene->bleed_px) * ratio);
+  if (!(fmax(width, height) <= max) || scene->image.width_px <= 2 * scene->bleed_px ||
+      scene->image.height_px <= 2 * scene->bleed_px) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "scene %s: %.0f by %.0f buckets of %g', expected 1 to %.0f a side",
+                             scene->name, width, height, psf->bucket_arcmin, max);
   }
-  return placido_error_set(err, PLACIDO_INPUT,
-                           "scene %s: %d by %d buckets of %g', expected 1 to %d a side",
-                           scene->name, size->width, size->height, psf->bucket_arcmin, side_max);
+  *size = (frame_size){(int)fmax(width, 1), (int)fmax(height, 1), (int)bleed, 1 / ratio};
+  return PLACIDO_OK;
 }
 
-/* The scene with its bleed, at the PSF's scale: `scaled`, which is the caller's, or the scene's own
- * picture where that has the scale already. */
-static int bring_to_scale(const placido_image **source, placido_image *scaled,
-                          const placido_scene *scene, const frame_size *size,
-                          placido_error *err) {
-  int width = size->width + 2 * size->bleed, height = size->height + 2 * size->bleed;
-  *source = &scene->image;
-  if (width == scene->image.width_px && height == scene->image.height_px) {
+static bool has_holes(const placido_image *image) {
+  size_t pixels = (size_t)image->width_px * (size_t)image->height_px;
+  const float *alpha = image->planes == 4 ? placido_image_plane(image, 3) : NULL;
+  for (size_t i = 0; alpha != NULL && i < pixels; i++) {
+    if (alpha[i] != 1) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* Colours times alpha, or by it. Where there is nothing there is no colour either. */
+static void weigh_colours(placido_image *image, bool divide) {
+  size_t pixels = (size_t)image->width_px * (size_t)image->height_px;
+  const float *alpha = placido_image_plane(image, 3);
+  const float least = 1e-6f; /* transforms leave about as much where there is none */
+  for (int plane = 0; plane < 3; plane++) {
+    float *colour = placido_image_plane(image, plane);
+    for (size_t i = 0; i < pixels; i++) {
+      float share = divide ? (alpha[i] > least ? 1 / alpha[i] : 0) : alpha[i];
+      colour[i] *= share;
+    }
+  }
+}
+
+/* A picture that is the caller's to free, or the scene's own where that will do. */
+typedef struct source {
+  placido_image own;
+  const placido_image *image;
+} source;
+
+/* The scene with its bleed at the PSF's scale, its colours weighted where it has holes. The left
+ * and upper rim of what is seen stays where it is; the others fall on whole buckets. */
+static int bring_to_scale(source *from, const placido_scene *scene, const frame_size *size,
+                          bool holes, int threads, placido_error *err) {
+  const placido_image *image = &scene->image;
+  placido_image weighted = {0};
+  int status = PLACIDO_OK;
+  from->image = image;
+  if (size->step == 1 && !holes) {
     return PLACIDO_OK;
   }
-  *source = scaled;
-  int status = placido_image_new(scaled, width, height, scene->image.planes, err);
-  if (status != PLACIDO_OK) {
+  if (holes) {
+    status = placido_image_new(&weighted, image->width_px, image->height_px, image->planes, err);
+    if (status != PLACIDO_OK) {
+      return status;
+    }
+    memcpy(weighted.data, image->data, (size_t)image->width_px * (size_t)image->height_px *
+                                         (size_t)image->planes * sizeof *image->data);
+    weigh_colours(&weighted, false);
+    image = &weighted;
+  }
+  if (size->step == 1) {
+    from->own = weighted;
+  } else {
+    double before = scene->bleed_px - size->bleed * size->step;
+    status = placido_image_new(&from->own, size->width + 2 * size->bleed,
+                               size->height + 2 * size->bleed, image->planes, err);
+    if (status == PLACIDO_OK) {
+      status = placido_resample(&from->own, image, before, before, size->step, scene->resampling,
+                                threads, err);
+    }
+    placido_image_free(&weighted);
+  }
+  from->image = &from->own;
+  return status;
+}
+
+/* Spreads the light; where the picture has holes, its alpha too, as a picture of its own. */
+static int spread(placido_image *seen, const placido_image *image, const placido_psf *psf,
+                  bool holes, int threads, placido_error *err) {
+  int status = placido_convolve(seen, image, psf, threads, err);
+  if (status != PLACIDO_OK || !holes) {
     return status;
   }
-  return placido_cv_resize(scaled, &scene->image, PLACIDO_CV_AREA, err);
+  placido_image alpha = *image, seen_alpha = *seen;
+  alpha.planes = seen_alpha.planes = 1;
+  alpha.data = placido_image_plane(image, 3);
+  seen_alpha.data = placido_image_plane(seen, 3);
+  status = placido_convolve(&seen_alpha, &alpha, psf, threads, err);
+  if (status == PLACIDO_OK) {
+    weigh_colours(seen, true);
+  }
+  return status;
 }
 
 /* Cuts the bleed off: moves every row to its place and keeps the memory. */
@@ -103,24 +177,27 @@ static void cut_bleed(placido_image *image, const frame_size *size) {
 
 int placido_scene_see(placido_image *seen, const placido_scene *scene, const placido_psf *psf,
                       int threads, placido_error *err) {
-  placido_image scaled = {0};
-  const placido_image *source;
-  frame_size size;
+  source from = {.image = NULL};
+  frame_size size = {0};
   *seen = (placido_image){0};
   int status = check(scene, psf, threads, err);
   if (status == PLACIDO_OK) {
     status = find_size(scene, psf, &size, err);
   }
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  bool holes = has_holes(&scene->image);
+  threads = threads > 0 ? threads : 1;
+  status = bring_to_scale(&from, scene, &size, holes, threads, err);
   if (status == PLACIDO_OK) {
-    status = bring_to_scale(&source, &scaled, scene, &size, err);
+    status = placido_image_new(seen, from.image->width_px, from.image->height_px,
+                               from.image->planes, err);
   }
   if (status == PLACIDO_OK) {
-    status = placido_image_new(seen, source->width_px, source->height_px, source->planes, err);
+    status = spread(seen, from.image, psf, holes, threads, err);
   }
-  if (status == PLACIDO_OK) {
-    status = placido_convolve(seen, source, psf, threads > 0 ? threads : 1, err);
-  }
-  placido_image_free(&scaled);
+  placido_image_free(&from.own);
   if (status != PLACIDO_OK) {
     placido_image_free(seen);
     return status;

@@ -10,43 +10,6 @@
 
 #include <math.h>
 
-placido_crosshatch placido_crosshatch_of(const placido_eye *eye, int samples) {
-  return (placido_crosshatch){
-    .samples = samples,
-    .rows = 2 * samples - 1,
-    .half_cell_mm = eye->pupil_mm / 2 / (samples - 1),
-    .x_mm = eye->pupil_x_mm,
-    .y_mm = eye->pupil_y_mm,
-  };
-}
-
-long placido_crosshatch_total(const placido_crosshatch *pattern) {
-  long n = pattern->samples;
-  return n * n + (n - 1) * (n - 1);
-}
-
-/* Largest whole number of `parity` (0 or 1) whose square is below `limit`; -1 where none is. */
-static long largest_below(long limit, long parity) {
-  long k = (long)sqrt((double)limit) + 2;
-  k -= (k - parity) % 2 != 0;
-  while (k >= 0 && k * k >= limit) {
-    k -= 2;
-  }
-  return k >= 0 ? k : -1;
-}
-
-void placido_crosshatch_row(const placido_crosshatch *pattern, int row, double *first_x_mm,
-                            int *count, double *y_mm) {
-  long edge = pattern->samples - 1;
-  bool nodes = row < pattern->samples;
-  long j = nodes ? 2L * row - edge : 2L * (row - pattern->samples) - (edge - 1);
-  long parity = (nodes ? edge : edge - 1) % 2;
-  long i = largest_below(edge * edge - j * j, parity);
-  *count = i < 0 ? 0 : (int)(i + 1);
-  *first_x_mm = pattern->x_mm - (double)i * pattern->half_cell_mm;
-  *y_mm = pattern->y_mm + (double)j * pattern->half_cell_mm;
-}
-
 bool placido_entry_at(placido_entry *entry, const placido_surface *surface,
                       const placido_apex *apex, double x_mm, double y_mm) {
   placido_jet jet;

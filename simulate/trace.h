@@ -4,30 +4,11 @@
 #define PLACIDO_SIMULATE_TRACE_H
 
 #include "simulate/eye.h"
+#include "simulate/rays/crosshatch.h"
 
 #include <placido/surface.h>
 #include <stdbool.h>
 #include <stddef.h>
-
-/* The crosshatch: N×N nodes over the pupil's square, its edges included, and the (N-1)×(N-1)
- * middles of their cells. Counted in half cells from the pupil's centre, a ray stands at whole
- * numbers, so that whether it is inside the pupil is decided exactly. */
-typedef struct placido_crosshatch {
-  int samples;                 /* N */
-  int rows;                    /* 2 N - 1: first the N node rows, then the N - 1 middle rows */
-  double half_cell_mm;
-  double x_mm, y_mm;           /* the pupil's centre */
-} placido_crosshatch;
-
-placido_crosshatch placido_crosshatch_of(const placido_eye *eye, int samples);
-
-/* N² + (N-1)²: the seed's 100 gives 19,801. */
-long placido_crosshatch_total(const placido_crosshatch *pattern);
-
-/* The rays of a row that are inside the pupil: `*count` of them from *first_x_mm on, two half cells
- * apart, at *y_mm. */
-void placido_crosshatch_row(const placido_crosshatch *pattern, int row, double *first_x_mm,
-                            int *count, double *y_mm);
 
 /* Where a ray meets the surface: position, depth behind the surface's point on the axis, slopes. */
 typedef struct placido_entry {

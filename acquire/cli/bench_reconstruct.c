@@ -136,8 +136,8 @@ static int tell(struct bench_run *bench, const struct laps *laps, placido_error 
              : status;
 }
 
-/* Frame after frame as fast as they are taken, each with the eye elsewhere: two threads, one for the
- * mires and one for the surface. */
+/* Frame after frame as fast as they are taken, each with the eye elsewhere: two threads, one for
+ * the mires and one for the surface. */
 static int watch(struct bench_run *bench, const struct bench_sight *sight, placido_error *err) {
   const int frames = bench->settings->quick ? QUICK_LIVE_FRAMES : LIVE_FRAMES;
   struct live_topography *topography;

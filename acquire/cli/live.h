@@ -40,8 +40,8 @@ struct live_window;
 /* Returns what placido_window_open returns. Close with live_window_close. */
 int live_window_open(struct live_window **window, placido_error *err);
 void live_window_close(struct live_window *window);
-/* The frame with its mires, centre and figures, and the map of what was measured last. Returns PLACIDO_END where the person has enough:
- * closed it, or pressed q or Escape. */
+/* The frame with its mires, centre and figures, and the map of what was measured last. Returns
+ * PLACIDO_END where the person has enough: closed it, or pressed q or Escape. */
 int live_window_show(struct live_window *window, const placido_frame *frame,
                      const placido_instrument *instrument, const placido_guide *guide,
                      const struct live_moment *moment, placido_error *err);

@@ -1,5 +1,6 @@
 /* Two threads in a row, as frames come faster than one of them could do both: the first finds the
- * mires of the newest frame, the second fits the surface, starting from that of the frame before. */
+ * mires of the newest frame, the second fits the surface, starting from that of the frame before.
+ * */
 #include "acquire/cli/live_topography.h"
 
 #include "base/clock.h"

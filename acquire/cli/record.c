@@ -222,6 +222,9 @@ static struct builder build_fit(const struct examination *examination) {
   put_real(&builder, "knot_mm", fit.knot_mm);
   put_real(&builder, "radius_mm", fit.radius_mm);
   put_real(&builder, "condition", fit.condition);
+  put_real(&builder, "axis_z_mm", fit.axis_z_mm);
+  put_real(&builder, "axis_z_sigma_mm", fit.axis_z_sigma_mm);
+  put_integer(&builder, "axis_z_solved", fit.axis_z_solved);
   struct builder best = builder_new();
   put_real(&best, "radius_mm", sphere->radius_mm);
   put_real(&best, "x_mm", sphere->x_mm);

@@ -88,7 +88,9 @@ static int save_psf_figures(const struct examination *examination, size_t pupil,
 
 static int save_scene(const struct examination *examination, size_t pupil, size_t scene,
                       const char *path, placido_error *err) {
-  return placido_image_save_png(&examination->views.items[pupil].seen[scene], path, err);
+  const struct views *views = &examination->views;
+  return placido_image_save_png_bits(&views->items[pupil].seen[scene], views->scenes[scene].bits,
+                                     path, err);
 }
 
 static void add_measured(struct jobs *jobs, const struct examination *examination) {

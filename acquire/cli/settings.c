@@ -152,6 +152,9 @@ static const struct option_row seeing_rows[] = {
      FIELD(pupils_mm), parse_numbers, 0.1, 12},
     {"scene", 0, "NAME|FILE", "What is looked at: a chart by name or a placido-scene/1 file. May "
      "be given several times (default: tumbling-e).", FIELD(scenes), parse_text_more, 0, 0},
+    {"allow-coarse", 0, NULL, "Show scenes whose pixels are larger than the point spread "
+     "function's buckets, too. Blur finer than a pixel cannot be told from the pixel.",
+     FIELD(allow_coarse), parse_switch, 0, 0},
     {"index", 0, "N", "Refractive index behind the cornea (default 1.3375).", FIELD(index),
      parse_number, 1.01, 2},
     {"rays", 0, "N", "Rays: a crosshatch of N×N and (N-1)×(N-1) over the pupil's square (default "

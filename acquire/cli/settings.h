@@ -43,6 +43,7 @@ struct settings {
   /* seeing */
   struct number_list pupils_mm;
   struct text_list scenes;
+  bool allow_coarse;
   double index, bucket_arcmin, retina_mm;
   int samples;
   bool cwhatuc;

@@ -89,6 +89,7 @@ int step_scenes(struct examination *examination, placido_error *err) {
                                 &examination->outcome->notes, err);
     if (status == PLACIDO_OK) {
       views->scene_count++;
+      views->scenes[i].allow_coarse |= examination->settings->allow_coarse;
       make_stem(views->stems[i], views->scenes[i].name);
       status = check_stem(views, i, err);
     }
@@ -129,6 +130,12 @@ static int see_scene(struct examination *examination, struct view *view, size_t 
   }
   if (status != PLACIDO_OK) {
     return placido_error_set(err, status, "%s", reason.text);
+  }
+  if (placido_scene_coarse(&views->scenes[scene], &view->psf)) {
+    placido_notes_add(&examination->outcome->notes,
+                      "scene %s is coarse: a pixel is %.4g', the PSF's bucket %.4g'; blur finer "
+                      "than a pixel is not real", views->scenes[scene].name,
+                      views->scenes[scene].arcmin_per_px, view->psf.bucket_arcmin);
   }
   placido_image_to_srgb(&view->seen[scene]);
   return PLACIDO_OK;
@@ -175,6 +182,20 @@ static void print_chart(void *user, const char *name, const char *help) {
 void views_list_charts(void) {
   puts("\nCharts");
   placido_chart_list(print_chart, NULL);
+  puts("\nScene files (placido-scene/1, docs/formats.md)\n"
+       "  a photograph taken with a lens that covers 12 degrees:\n"
+       "      {\"format\": \"placido-scene/1\", \"image\": \"street.png\",\n"
+       "       \"calibration\": {\"kind\": \"camera\", \"horizontal_fov_deg\": 12}}\n"
+       "  a screen of 110 dpi seen from 60 cm:\n"
+       "      \"calibration\": {\"kind\": \"monitor\", \"dpi\": 110, \"distance_m\": 0.6}\n"
+       "  a door of 2 m, 640 pixels high, 25 m away:\n"
+       "      \"calibration\": {\"kind\": \"object\", \"size_m\": 2, \"distance_m\": 25, "
+       "\"size_px\": 640}\n"
+       "  half a minute of arc a pixel:\n"
+       "      \"calibration\": {\"kind\": \"arcmin_per_px\", \"value\": 0.5}\n"
+       "  letters of 20/40 down to 20/20:\n"
+       "      {\"format\": \"placido-scene/1\", \"image\": \"sloan\",\n"
+       "       \"chart\": {\"first_logmar\": 0.3, \"last_logmar\": 0}}");
 }
 
 void views_free(struct views *views) {

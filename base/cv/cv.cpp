@@ -95,7 +95,7 @@ public:
   size_t size = 0;
 };
 
-// Decodes a file to 1, 3 or 4 channels of 8 or 16 bit, blue before red.
+// Decodes a file to 1, 3 or 4 channels of 8 or 16 bit or 32-bit floating point, blue before red.
 int decode(cv::Mat &decoded, placido_image_kind &kind, const char *path, placido_error *err) {
   Bytes bytes;
   int status = placido_file_read(&bytes.text, &bytes.size, path, 0, err);
@@ -119,7 +119,8 @@ int decode(cv::Mat &decoded, placido_image_kind &kind, const char *path, placido
     return placido_error_set(err, PLACIDO_INPUT, "%s: the image cannot be decoded", name);
   }
   const int channels = decoded.channels();
-  if ((decoded.depth() != CV_8U && decoded.depth() != CV_16U) ||
+  const int depth = decoded.depth();
+  if ((depth != CV_8U && depth != CV_16U && depth != CV_32F) ||
       (channels != 1 && channels != 3 && channels != 4)) {
     return placido_error_set(err, PLACIDO_INPUT,
                              "%s: samples of 8 or 16 bit in 1, 3 or 4 channels are expected", name);
@@ -133,7 +134,7 @@ double white_of(const cv::Mat &decoded, const placido_image_kind &kind) {
   if (decoded.depth() == CV_16U) {
     return kind.full_scale > 0 ? kind.full_scale : 65535;
   }
-  return 255;
+  return decoded.depth() == CV_32F ? 1 : 255;
 }
 
 cv::Mat plane_of(const placido_image *image, int plane) {
@@ -228,7 +229,7 @@ int placido_cv_load(placido_image *image, int *bits, const char *path, placido_e
     placido_image_kind kind;
     int step = decode(decoded, kind, path, err);
     if (!step) {
-      *bits = decoded.depth() == CV_16U ? 16 : 8;
+      *bits = static_cast<int>(decoded.elemSize1()) * 8;
       step = fill_image(image, decoded, white_of(decoded, kind), err);
     }
     return step;
@@ -243,7 +244,12 @@ int placido_cv_load_frame(placido_frame *frame, const char *path, placido_error 
   return guarded(placido_text_tail(path), err, [&] {
     cv::Mat decoded;
     placido_image_kind kind;
-    const int status = decode(decoded, kind, path, err);
+    int status = decode(decoded, kind, path, err);
+    if (!status && decoded.depth() == CV_32F) {
+      status = placido_error_set(err, PLACIDO_INPUT,
+                                 "%s: a frame has samples of 8 or 16 bit, not floating point",
+                                 placido_text_tail(path));
+    }
     return status ? status : fill_frame(frame, decoded, kind, err);
   });
 }

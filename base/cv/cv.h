@@ -14,7 +14,8 @@ extern "C" {
 enum placido_cv_sampling { PLACIDO_CV_LINEAR, PLACIDO_CV_CUBIC, PLACIDO_CV_AREA };
 
 /* Decodes an image file (PNG, TIFF, PNM, JPEG), EXIF orientation applied. Grey of 8 or 16 bit, or
- * colour of 8 or 16 bit with or without alpha. Samples scaled to 0..1 in `image`. */
+ * colour of 8 or 16 bit with or without alpha. Samples scaled to 0..1 in `image`; those of 32-bit
+ * floating point (TIFF) as they stand, with *bits 32. */
 int placido_cv_load(placido_image *image, int *bits, const char *path, placido_error *err);
 
 /* The same file as a camera frame: grey of 8 bit MONO8, grey of 16 bit MONO16, colour RGB8 (of 16

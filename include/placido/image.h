@@ -34,9 +34,18 @@ float *placido_image_plane(const placido_image *image, int plane);
  */
 int placido_image_load(placido_image *image, const char *path, placido_error *err);
 
+/* The same, and the file's bits a sample: `*bits` is 8 or 16. Also reads TIFF of 32-bit floating
+ * point, whose samples come as they stand, NaN and all: `*bits` is 32. Colours of a TIFF that were
+ * multiplied by alpha are divided again. */
+int placido_image_load_bits(placido_image *image, int *bits, const char *path, placido_error *err);
+
 /* Writes an 8-bit PNG of samples clipped to 0..1, by way of a temporary name.
  * Returns PLACIDO_OK, PLACIDO_SYSTEM, PLACIDO_MEMORY. */
 int placido_image_save_png(const placido_image *image, const char *path, placido_error *err);
+
+/* The same with 8 bits a sample, or with 16 where `bits` is more than 8. */
+int placido_image_save_png_bits(const placido_image *image, int bits, const char *path,
+                                placido_error *err);
 
 /* sRGB (IEC 61966-2-1) to linear light and back, on the colour planes (a fourth plane, alpha, is
  * left as it is). In place. */

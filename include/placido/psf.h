@@ -8,6 +8,13 @@
 #include <placido/surface.h>
 #include <stdbool.h>
 
+/* How a pupil is filled with rays. */
+enum placido_pattern_kind {
+  PLACIDO_PATTERN_CROSSHATCH,  /* N×N nodes over the pupil's square and the (N-1)×(N-1) middles */
+  PLACIDO_PATTERN_EQUAL_AREA,  /* a sunflower: every ray stands for the same area */
+  PLACIDO_PATTERN_QUASI_RANDOM /* a sequence that fills gaps as it goes on (R2) */
+};
+
 /* How it is computed; zero means the default in brackets. */
 typedef struct placido_optics {
   int samples;          /* crosshatch of N×N plus (N-1)×(N-1) rays over the pupil's square [400,

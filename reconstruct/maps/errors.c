@@ -127,11 +127,12 @@ int placido_map_errors_new(placido_map_errors *errors, const placido_fit *fit,
   placido_jet_weights_level(weights + LEVEL * n, fit);
   int status = placido_jet_figures_new(&errors->figures, fit, weights, FIGURES_MAX, err);
   placido_memory_free(weights);
-  return status;
+  return status ? status : placido_jet_cells_new(&errors->cells, fit, err);
 }
 
 void placido_map_errors_free(placido_map_errors *errors) {
   placido_jet_figures_free(&errors->figures);
+  placido_jet_cells_free(&errors->cells);
   *errors = (placido_map_errors){0};
 }
 
@@ -186,9 +187,9 @@ typedef struct knowledge {
 } knowledge;
 
 /* Of a reference only the height matters, of the vertex every term. */
-static void learn(knowledge *known, const placido_map_errors *errors, placido_jet_cell *cell,
+static void learn(knowledge *known, const placido_map_errors *errors,
                   const placido_jet_rows *rows) {
-  placido_jet_covariance(known->jet, cell, errors->fit, rows);
+  placido_jet_covariance(known->jet, &errors->cells, rows);
   placido_jet_figures_with(known->with[0], &errors->figures, 0, FIGURES_MAX, rows, 0);
   for (int t = 1; t < TERMS; t++) {
     placido_jet_figures_with(known->with[t] + VERTEX_FIRST, &errors->figures, VERTEX_FIRST,
@@ -253,9 +254,8 @@ static double variance_of_height(const placido_map_errors *errors, const knowled
          errors->figures.covariance[LEVEL * FIGURES_MAX + LEVEL];
 }
 
-void placido_map_errors_at(const placido_map_errors *errors, placido_jet_cell *cell,
-                           const placido_map_point *given, const double *values, double *sigma_z_um,
-                           double *sigmas) {
+void placido_map_errors_at(const placido_map_errors *errors, const placido_map_point *given,
+                           const double *values, double *sigma_z_um, double *sigmas) {
   placido_map_point point = *given; /* its numbers are moved in turn */
   size_t count;
   const placido_map_kind *kinds = placido_map_kinds(&count);
@@ -264,7 +264,7 @@ void placido_map_errors_at(const placido_map_errors *errors, placido_jet_cell *c
   bool inside = placido_jet_rows_at(&rows, errors->fit, point.x_mm, point.y_mm);
   *sigma_z_um = NAN;
   if (inside) {
-    learn(&known, errors, cell, &rows);
+    learn(&known, errors, &rows);
     *sigma_z_um = 1e3 * sqrt(fmax(variance_of_height(errors, &known), 0));
   }
   for (size_t i = 0; i < count; i++) {

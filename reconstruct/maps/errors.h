@@ -10,6 +10,7 @@
 /* What they are propagated from; the fit is borrowed. */
 typedef struct placido_map_errors {
   const placido_fit *fit;
+  placido_jet_cells cells;
   placido_jet_figures figures; /* the references' parameters, the vertex, the level */
 } placido_map_errors;
 
@@ -21,9 +22,8 @@ int placido_map_errors_new(placido_map_errors *errors, const placido_fit *fit,
 void placido_map_errors_free(placido_map_errors *errors);
 
 /* The standard deviations at a point of z and of every kind, whose values there are `values`; NaN
- * where they cannot be told. `cell` is the thread's own. */
-void placido_map_errors_at(const placido_map_errors *errors, placido_jet_cell *cell,
-                           const placido_map_point *point, const double *values, double *sigma_z_um,
-                           double *sigmas);
+ * where they cannot be told. */
+void placido_map_errors_at(const placido_map_errors *errors, const placido_map_point *point,
+                           const double *values, double *sigma_z_um, double *sigmas);
 
 #endif

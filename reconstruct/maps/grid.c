@@ -124,7 +124,7 @@ static void keep_common(placido_maps *maps, const placido_map_point *common) {
 #define KINDS_MAX 32
 
 static void fill_sigmas(placido_maps *maps, const placido_map_errors *errors,
-                        placido_jet_cell *cell, const placido_map_point *point, size_t index) {
+                        const placido_map_point *point, size_t index) {
   double values[KINDS_MAX], sigmas[KINDS_MAX];
   size_t count;
   placido_map_kinds(&count);
@@ -132,7 +132,7 @@ static void fill_sigmas(placido_maps *maps, const placido_map_errors *errors,
     values[i] = maps->values[i][index];
   }
   if (maps->valid[index]) {
-    placido_map_errors_at(errors, cell, point, values, &maps->sigma_z_um[index], sigmas);
+    placido_map_errors_at(errors, point, values, &maps->sigma_z_um[index], sigmas);
   } else {
     maps->sigma_z_um[index] = NAN;
   }
@@ -157,14 +157,13 @@ static void fill(placido_maps *maps, const placido_surface *surface,
                  const placido_map_errors *errors, const placido_map_point *common) {
 #pragma omp parallel for schedule(dynamic, 1)
   for (int j = 0; j < maps->size; j++) {
-    placido_jet_cell cell = {.known = false};
     for (int i = 0; i < maps->size; i++) {
       placido_map_point point =
           point_at(common, surface, placido_maps_position(maps, i), placido_maps_position(maps, j));
       size_t index = (size_t)j * (size_t)maps->size + (size_t)i;
       fill_point(maps, surface, &point, index);
       if (errors) {
-        fill_sigmas(maps, errors, &cell, &point, index);
+        fill_sigmas(maps, errors, &point, index);
       }
     }
   }

@@ -47,12 +47,14 @@ static double widest_gap(const placido_instrument *instrument, const double *exp
 
 /* Lists every pair of chains that follow each other, with votes. Where the step is so wide that a
  * pair of edges may have been missed between them, they do not vote. */
-static int follows_new(follows **list, size_t *count, const placido_crossings *all,
+static int follows_new(follows **list, size_t *count, int chains, const placido_crossings *all,
                        const placido_instrument *instrument, const double *expected_px,
                        double scale, placido_error *err) {
   *count = 0;
   *list = placido_memory_new(all->count, sizeof **list, err);
-  if (!*list) {
+  size_t *latest = placido_memory_new((size_t)chains, sizeof *latest, err);
+  if (!*list || !latest) {
+    placido_memory_free(latest);
     return PLACIDO_MEMORY;
   }
   for (int m = 0; m < all->meridians; m++) {
@@ -61,7 +63,15 @@ static int follows_new(follows **list, size_t *count, const placido_crossings *a
       if (a->chain >= 0 && b->chain >= 0 && (a->slope > 0) != (b->slope > 0) &&
           b->radius_px - a->radius_px <
               GAP_MOST * widest_gap(instrument, expected_px, scale, a->radius_px)) {
-        (*list)[(*count)++] = (follows){a->chain, b->chain, 1};
+        /* from meridian to meridian it is mostly the same pair */
+        size_t *same = &latest[a->chain];
+        if (*same < *count && (*list)[*same].inner == a->chain &&
+            (*list)[*same].outer == b->chain) {
+          (*list)[*same].votes++;
+        } else {
+          *same = *count;
+          (*list)[(*count)++] = (follows){a->chain, b->chain, 1};
+        }
       }
     }
   }
@@ -69,12 +79,13 @@ static int follows_new(follows **list, size_t *count, const placido_crossings *a
   size_t kept = 0;
   for (size_t i = 0; i < *count; i++) {
     if (kept && by_pair(&(*list)[kept - 1], &(*list)[i]) == 0) {
-      (*list)[kept - 1].votes++;
+      (*list)[kept - 1].votes += (*list)[i].votes;
     } else {
       (*list)[kept++] = (*list)[i];
     }
   }
   *count = kept;
+  placido_memory_free(latest);
   return PLACIDO_OK;
 }
 
@@ -84,6 +95,7 @@ typedef struct ballot {
   int meridians;
   follows *pairs;
   size_t pair_count;
+  int *votes; /* by chain: for its present relative number in the component that grows */
   int *tally; /* votes for relative numbers, 2 PLACIDO_RELATIVE_MAX + 1 */
   placido_components *out;
 } ballot;
@@ -120,26 +132,38 @@ static int elect(ballot *n, int index, int c, int *votes) {
   return best;
 }
 
+/* Elects anew what follows or is followed by chain `index`. */
+static void elect_beside(ballot *n, int index, int c) {
+  for (size_t i = 0; i < n->pair_count; i++) {
+    const follows *f = &n->pairs[i];
+    int other = f->outer == index ? f->inner : f->inner == index ? f->outer : -1;
+    if (other >= 0 && n->out->member[other] < 0) {
+      n->out->relative[other] = elect(n, other, c, &n->votes[other]);
+    }
+  }
+}
+
 /* Grows component `c` from chain `root`: always the chain with the most votes next, so that
  * doubtful ones are judged by the most neighbours. */
 static void grow(ballot *n, int root, int c) {
   placido_component *here = &n->out->list[c];
-  int chosen = root, number = 0;
+  int chosen = root;
+  for (int i = 0; i < n->chains->count; i++) {
+    n->votes[i] = 0;
+  }
+  n->out->relative[root] = 0;
   while (chosen >= 0) {
+    int number = n->out->relative[chosen], most = 0;
     n->out->member[chosen] = c;
-    n->out->relative[chosen] = number;
     here->length += n->chains->list[chosen].length;
     here->low = number < here->low ? number : here->low;
     here->high = number > here->high ? number : here->high;
-    int most = 0;
+    elect_beside(n, chosen, c);
     chosen = -1;
     for (int i = 0; i < n->chains->count; i++) {
-      int votes = 0;
-      int elected = n->out->member[i] < 0 ? elect(n, i, c, &votes) : 0;
-      if (votes > most) {
+      if (n->out->member[i] < 0 && n->votes[i] > most) {
         chosen = i;
-        number = elected;
-        most = votes;
+        most = n->votes[i];
       }
     }
   }
@@ -174,10 +198,11 @@ int placido_components_find(placido_components *components, const placido_chains
   };
   ballot n = {.chains = chains, .meridians = crossings->meridians, .out = components};
   n.tally = placido_memory_new(2 * PLACIDO_RELATIVE_MAX + 1, sizeof *n.tally, err);
-  int status = components->list && components->member && components->relative && n.tally
-                   ? follows_new(&n.pairs, &n.pair_count, crossings, instrument, expected_px,
-                                 scale, err)
-                   : PLACIDO_MEMORY;
+  n.votes = placido_memory_new(count, sizeof *n.votes, err);
+  bool room = components->list && components->member && components->relative && n.tally && n.votes;
+  int status = room ? follows_new(&n.pairs, &n.pair_count, chains->count, crossings, instrument,
+                                  expected_px, scale, err)
+                    : PLACIDO_MEMORY;
   if (!status) {
     for (size_t i = 0; i < count; i++) {
       components->member[i] = -1;
@@ -186,6 +211,7 @@ int placido_components_find(placido_components *components, const placido_chains
   }
   placido_memory_free(n.pairs);
   placido_memory_free(n.tally);
+  placido_memory_free(n.votes);
   if (status) {
     placido_components_free(components);
   }

@@ -10,7 +10,7 @@
 /* How far from its place a crossing may lie, in periods: so many robust standard deviations of its
  * edge, within these limits. */
 #define SPREADS 6
-#define DOUBTFUL_LEAST 0.08
+#define DOUBTFUL_LEAST 0.12
 #define SURE_LEAST 0.2
 #define MOST 0.25
 
@@ -57,7 +57,9 @@ int placido_crossings_confirm(placido_crossings *crossings, int edge_count,
         placido_field_add(&field, c->edge, c->meridian, c->radius_px);
       }
     }
-    placido_field_predict(&field);
+    status = placido_field_predict(&field, err);
+  }
+  if (!status) {
     find_spreads(spreads, rows, counts, &field, crossings);
     for (size_t i = 0; i < crossings->count; i++) {
       placido_crossing *c = &crossings->list[i];

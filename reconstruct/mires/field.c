@@ -5,6 +5,7 @@
 #include "base/memory.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #define SECTORS 60
@@ -86,32 +87,62 @@ static double solve_first(double a[UNKNOWNS][UNKNOWNS], double b[UNKNOWNS]) {
   return b[0] / a[0][0];
 }
 
-/* The value expected in a cell from those within `reach`; NaN where fewer than `needed` hold
- * anything. */
-static double regress(const placido_field *field, int edge, int sector, int reach, int needed,
-                      const double *bell) {
+/* Weighted sums over the cells of one edge about a sector: 1, x, x², value and value x, x the
+ * distance in sectors. */
+typedef struct moments {
+  int found;
+  double one, x, xx, value, value_x;
+} moments;
+
+static moments sum_beside(const placido_field *field, int edge, int sector, int reach,
+                          const double *bell) {
+  moments sum = {0};
+  for (int j = -reach; j <= reach; j++) {
+    const placido_cell *cell = placido_field_cell(field, edge, sector + j);
+    if (cell->count == 0) {
+      continue;
+    }
+    double bell_here = bell[j < 0 ? -j : j], weight = bell_here * cell->count;
+    double x = j + cell->offset / cell->count, value = bell_here * cell->ratio;
+    sum.found++;
+    sum.one += weight;
+    sum.x += weight * x;
+    sum.xx += weight * x * x;
+    sum.value += value;
+    sum.value_x += value * x;
+  }
+  return sum;
+}
+
+/* The value expected in a cell from the sums of the edges about it, `stride` apart; NaN where fewer
+ * than `needed` cells hold anything. */
+static double regress(const moments *here, int edge, int edges, size_t stride, int reach,
+                      int needed, const double *bell) {
   double a[UNKNOWNS][UNKNOWNS] = {{0}}, b[UNKNOWNS] = {0};
   int found = 0;
   for (int i = -reach; i <= reach; i++) {
-    if (edge + i < 0 || edge + i >= field->edges) {
+    if (edge + i < 0 || edge + i >= edges) {
       continue;
     }
-    double other = i % 2 != 0;
-    for (int j = -reach; j <= reach; j++) {
-      const placido_cell *cell = placido_field_cell(field, edge + i, sector + j);
-      if (cell->count == 0) {
-        continue;
-      }
-      found++;
-      double weight = bell[i < 0 ? -i : i] * bell[j < 0 ? -j : j] * cell->count;
-      double by[UNKNOWNS] = {1, i, j + cell->offset / cell->count, other};
-      double value = weight * cell->ratio / cell->count;
-      for (int r = 0; r < UNKNOWNS; r++) {
-        for (int c = 0; c <= r; c++) {
-          a[r][c] += weight * by[r] * by[c];
-        }
-        b[r] += value * by[r];
-      }
+    const moments *m = here + i * (ptrdiff_t)stride;
+    double weight = bell[i < 0 ? -i : i];
+    double one = weight * m->one, x = weight * m->x, value = weight * m->value;
+    found += m->found;
+    a[0][0] += one;
+    a[1][0] += one * i;
+    a[1][1] += one * i * i;
+    a[2][0] += x;
+    a[2][1] += x * i;
+    a[2][2] += weight * m->xx;
+    b[0] += value;
+    b[1] += value * i;
+    b[2] += weight * m->value_x;
+    if (i % 2 != 0) {
+      a[3][0] += one;
+      a[3][1] += one * i;
+      a[3][2] += x;
+      a[3][3] += one;
+      b[3] += value;
     }
   }
   if (found < needed) {
@@ -121,6 +152,30 @@ static double regress(const placido_field *field, int edge, int sector, int reac
     a[r][r] += 0.01 * a[0][0]; /* what the cells do not tell stays near level */
   }
   return solve_first(a, b);
+}
+
+/* Fills log_ratio where it is NaN from cells within a reach. */
+static void fill_within(const placido_field *field, moments *sums, int reach, int needed) {
+  double bell[REACH_MOST + 1];
+  size_t sectors = (size_t)field->sectors;
+  for (int i = 0; i <= reach; i++) {
+    double x = 1.5 * i / reach;
+    bell[i] = exp(-0.5 * x * x);
+  }
+  for (int k = 0; k < field->edges; k++) {
+    for (int s = 0; s < field->sectors; s++) {
+      sums[(size_t)k * sectors + (size_t)s] = sum_beside(field, k, s, reach, bell);
+    }
+  }
+  for (int k = 0; k < field->edges; k++) {
+    for (int s = 0; s < field->sectors; s++) {
+      size_t here = (size_t)k * sectors + (size_t)s;
+      if (isnan(field->log_ratio[here])) {
+        field->log_ratio[here] =
+            (float)regress(sums + here, k, field->edges, sectors, reach, needed, bell);
+      }
+    }
+  }
 }
 
 /* Radii between the sectors' middles, by linear interpolation. */
@@ -138,24 +193,28 @@ static void spread(const placido_field *field, int edge) {
   }
 }
 
-void placido_field_predict(placido_field *field) {
-  double bell[REACHES][REACH_MOST + 1];
-  for (int l = 0; l < REACHES; l++) {
-    for (int i = 0; i <= REACH_MOST; i++) {
-      double x = 1.5 * i / reaches[l].cells;
-      bell[l][i] = exp(-0.5 * x * x);
+int placido_field_predict(placido_field *field, placido_error *err) {
+  size_t cells = (size_t)field->edges * (size_t)field->sectors;
+  moments *sums = placido_memory_new(cells, sizeof *sums, err);
+  if (!sums) {
+    return PLACIDO_MEMORY;
+  }
+  bool holes = true;
+  for (size_t i = 0; i < cells; i++) {
+    field->log_ratio[i] = NAN;
+  }
+  for (int l = 0; l < REACHES && holes; l++) {
+    fill_within(field, sums, reaches[l].cells, reaches[l].needed);
+    holes = false;
+    for (size_t i = 0; i < cells; i++) {
+      holes |= isnan(field->log_ratio[i]);
     }
   }
   for (int k = 0; k < field->edges; k++) {
-    for (int s = 0; s < field->sectors; s++) {
-      double value = NAN;
-      for (int l = 0; l < REACHES && isnan(value); l++) {
-        value = regress(field, k, s, reaches[l].cells, reaches[l].needed, bell[l]);
-      }
-      field->log_ratio[k * field->sectors + s] = (float)value;
-    }
     spread(field, k);
   }
+  placido_memory_free(sums);
+  return PLACIDO_OK;
 }
 
 double placido_field_period(const placido_field *field, int edge, int meridian) {

@@ -37,7 +37,7 @@ void placido_field_add(placido_field *field, int edge, int meridian, double radi
 
 /* Works out expected_px from the cells: a plane in edge and angle, with a step from rising to
  * falling edges, fitted to the cells around each. */
-void placido_field_predict(placido_field *field);
+int placido_field_predict(placido_field *field, placido_error *err);
 
 /* Distance on a meridian from an edge to the nearest other of its polarity, as expected; that of an
  * ordinary cornea where none is. Negative where the cornea would fold the mires. */

@@ -10,12 +10,13 @@
 #include "reconstruct/mires/gate.h"
 #include "reconstruct/mires/link.h"
 #include "reconstruct/mires/number.h"
+#include "reconstruct/mires/outermost.h"
 #include "reconstruct/mires/plane.h"
 #include "reconstruct/mires/polar.h"
 #include "reconstruct/mires/settle.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <string.h>
 
 /* What an ordinary cornea would show: the yardstick for windows and tolerances. */
 typedef struct yardstick {
@@ -61,50 +62,64 @@ static int yardstick_of(yardstick *out, const placido_instrument *instrument,
   return PLACIDO_OK;
 }
 
-static int by_edge(const void *a, const void *b) {
-  const placido_mire_point *x = a, *y = b;
-  return x->edge != y->edge ? x->edge - y->edge
-                            : (x->meridian_deg > y->meridian_deg) -
-                                  (x->meridian_deg < y->meridian_deg);
-}
-
-static placido_mire_point point_of(const placido_mires *mires, const placido_crossings *all,
-                                   const placido_crossing *c) {
-  double angle = 2 * M_PI * c->meridian / all->meridians;
+static placido_mire_point point_of(const placido_mires *mires, const placido_crossing *c,
+                                   double meridian_deg, double cosine, double sine) {
   return (placido_mire_point){.edge = c->edge,
-                              .meridian_deg = 360.0 * c->meridian / all->meridians,
-                              .u_px = mires->centre_u_px + c->radius_px * cos(angle),
-                              .v_px = mires->centre_v_px - c->radius_px * sin(angle),
+                              .meridian_deg = meridian_deg,
+                              .u_px = mires->centre_u_px + c->radius_px * cosine,
+                              .v_px = mires->centre_v_px - c->radius_px * sine,
                               .sigma_px = c->sigma_px > 0 ? c->sigma_px : UNMEASURED_PX,
                               .used = !c->doubtful,
                               .residual_px = NAN,
                               .folded = c->folded};
 }
 
-/* Copies the numbered crossings of every stride-th meridian out as points. */
+/* Where each edge's sure and doubtful points begin in the lists of them. */
+typedef struct slots {
+  size_t sure[PLACIDO_EDGES_MAX + 1], doubtful[PLACIDO_EDGES_MAX + 1];
+} slots;
+
+static slots count_slots(const placido_crossings *all, int stride) {
+  slots s = {{0}, {0}};
+  for (size_t i = 0; i < all->count; i++) {
+    const placido_crossing *c = &all->list[i];
+    if (c->edge >= 0 && c->meridian % stride == 0) {
+      (c->doubtful ? s.doubtful : s.sure)[c->edge + 1]++;
+    }
+  }
+  for (int k = 0; k < PLACIDO_EDGES_MAX; k++) {
+    s.sure[k + 1] += s.sure[k];
+    s.doubtful[k + 1] += s.doubtful[k];
+  }
+  return s;
+}
+
+/* Copies the numbered crossings of every stride-th meridian out as points, by edge and meridian. */
 static int collect(placido_mires *mires, const placido_crossings *all, int stride,
                    placido_error *err) {
-  mires->points = placido_memory_new(all->count, sizeof *mires->points, err);
-  mires->doubtful = placido_memory_new(all->count, sizeof *mires->doubtful, err);
+  slots next = count_slots(all, stride);
+  mires->count = next.sure[PLACIDO_EDGES_MAX];
+  mires->doubtful_count = next.doubtful[PLACIDO_EDGES_MAX];
+  mires->points = placido_memory_new(mires->count, sizeof *mires->points, err);
+  mires->doubtful = placido_memory_new(mires->doubtful_count, sizeof *mires->doubtful, err);
   if (!mires->points || !mires->doubtful) {
     return PLACIDO_MEMORY;
   }
   double sum = 0;
-  for (size_t i = 0; i < all->count; i++) {
-    const placido_crossing *c = &all->list[i];
-    if (c->edge < 0 || c->meridian % stride != 0) {
-      continue;
-    }
-    placido_mire_point point = point_of(mires, all, c);
-    if (c->doubtful) {
-      mires->doubtful[mires->doubtful_count++] = point;
-    } else {
-      mires->points[mires->count++] = point;
-      sum += c->height;
+  for (int m = 0; m < all->meridians; m += stride) {
+    double turn = (double)m / all->meridians;
+    double cosine = cos(2 * M_PI * turn), sine = sin(2 * M_PI * turn);
+    for (size_t i = all->first[m]; i < all->first[m + 1]; i++) {
+      const placido_crossing *c = &all->list[i];
+      if (c->edge < 0) {
+        continue;
+      }
+      placido_mire_point *point = c->doubtful ? &mires->doubtful[next.doubtful[c->edge]++]
+                                              : &mires->points[next.sure[c->edge]++];
+      *point = point_of(mires, c, 360 * turn, cosine, sine);
+      sum += c->doubtful ? 0 : c->height;
     }
   }
-  qsort(mires->points, mires->count, sizeof *mires->points, by_edge);
-  qsort(mires->doubtful, mires->doubtful_count, sizeof *mires->doubtful, by_edge);
   mires->contrast = mires->count ? sum / (double)mires->count : 0;
   mires->coverage = (double)(mires->count + mires->doubtful_count) /
                     ((double)mires->edge_count * mires->meridian_count);
@@ -131,25 +146,23 @@ static int check_enough(const placido_mires *mires, int edges_min, placido_error
   return PLACIDO_OK;
 }
 
-/* Measures the numbered crossings; those that cannot be measured keep their number. */
+/* Measures the numbered crossings. Those that cannot be measured keep number and rough place. */
 static int measure(placido_crossings *all, const placido_polar *polar, int threads,
                    placido_error *err) {
-  int *numbers = placido_memory_new(all->count, sizeof *numbers, err);
-  if (!numbers) {
+  placido_crossing *rough = placido_memory_new(all->count, sizeof *rough, err);
+  if (!rough) {
     return PLACIDO_MEMORY;
   }
-  for (size_t i = 0; i < all->count; i++) {
-    numbers[i] = all->list[i].edge;
-  }
+  memcpy(rough, all->list, all->count * sizeof *rough);
   int status = placido_crossings_measure(all, polar, threads, err);
   for (size_t i = 0; i < all->count && !status; i++) {
     placido_crossing *c = &all->list[i];
-    if (c->edge < 0 && numbers[i] >= 0) {
-      c->edge = numbers[i];
+    if (rough[i].edge >= 0 && (c->edge < 0 || !(c->sigma_px < fmax(UNMEASURED_PX, c->width_px)))) {
+      *c = rough[i];
       c->sigma_px = 0;
     }
   }
-  placido_memory_free(numbers);
+  placido_memory_free(rough);
   return status;
 }
 
@@ -164,67 +177,98 @@ static int check_frame(const placido_frame *frame, const placido_instrument *ins
   return PLACIDO_OK;
 }
 
+/* What the steps hand to each other. */
+typedef struct stages {
+  const placido_instrument *instrument;
+  int linked, stride, threads; /* meridians looked at, and every how many-th is handed out */
+  yardstick yard;
+  double centre_px[2];
+  placido_image plane;
+  placido_polar polar;
+  placido_crossings crossings;
+  placido_chains chains;
+} stages;
+
+/* From the frame to candidates linked into chains. */
+static int look(stages *s, const placido_frame *frame, placido_error *err) {
+  const yardstick *y = &s->yard;
+  int status = yardstick_of(&s->yard, s->instrument, err);
+  if (status || (status = placido_mires_plane(&s->plane, frame, err)) ||
+      (status = placido_mires_centre(s->centre_px, &s->plane, y->reach_px, y->inner_px,
+                                     y->narrow_px, err)) ||
+      (status = placido_polar_new(&s->polar, &s->plane, s->centre_px, FLATTEST * y->reach_px,
+                                  s->linked, s->threads, err)) ||
+      (status = placido_crossings_find(&s->crossings, &s->polar, y->spacing_px, y->reach_px,
+                                       s->threads, err))) {
+    return status;
+  }
+  return placido_chains_link(&s->chains, &s->crossings, s->linked / 60, err);
+}
+
+/* From chains to numbers that agree over the whole image. */
+static int number(stages *s, placido_error *err) {
+  const placido_instrument *in = s->instrument;
+  const double *expected_px = s->yard.expected_px;
+  int status = placido_chains_number(&s->chains, &s->crossings, in, expected_px, err);
+  if (!status) {
+    status = placido_crossings_settle(&s->crossings, &s->chains, in->edge_count,
+                                      in->first_band_bright, expected_px, err);
+  }
+  if (!status) {
+    status = placido_crossings_outermost(&s->crossings, in->edge_count, s->centre_px,
+                                         s->plane.width_px, s->plane.height_px, s->yard.reach_px,
+                                         err);
+  }
+  return status;
+}
+
+/* From numbered candidates to measured points. */
+static int judge(placido_mires *mires, stages *s, placido_error *err) {
+  int edges = s->instrument->edge_count;
+  int status = measure(&s->crossings, &s->polar, s->threads, err);
+  if (status || (status = placido_crossings_gate(&s->crossings, edges, err)) ||
+      (status = placido_crossings_confirm(&s->crossings, edges, s->yard.expected_px, err)) ||
+      (status = placido_crossings_folds(&s->crossings, edges, &mires->folded, &mires->stray,
+                                        err))) {
+    return status;
+  }
+  mires->centre_u_px = s->centre_px[0];
+  mires->centre_v_px = s->centre_px[1];
+  return collect(mires, &s->crossings, s->stride, err);
+}
+
 int placido_mires_find(placido_mires *mires, const placido_frame *frame,
                        const placido_instrument *instrument,
                        const placido_mires_options *options, placido_notes *notes,
                        placido_error *err) {
   int meridians = options && options->meridians ? options->meridians : 360;
   int edges_min = options && options->edges_min ? options->edges_min : 5;
-  int threads = options && options->threads ? options->threads : 1;
-  int stride = 1, linked = meridians;
+  stages s = {.instrument = instrument,
+              .linked = meridians,
+              .stride = 1,
+              .threads = options && options->threads ? options->threads : 1};
   if (meridians > 0 && meridians < MERIDIANS_LINKED) {
-    stride = (MERIDIANS_LINKED + meridians - 1) / meridians;
-    linked = meridians * stride;
+    s.stride = (MERIDIANS_LINKED + meridians - 1) / meridians;
+    s.linked = meridians * s.stride;
   }
   *mires = (placido_mires){.edge_count = instrument->edge_count, .meridian_count = meridians};
-  placido_image plane = {0};
-  placido_polar polar = {0};
-  placido_crossings crossings = {0};
-  placido_chains chains = {0};
-  yardstick yard;
-  double centre[2] = {0};
   int status = check_frame(frame, instrument, err);
   if (!status && (meridians < 24 || meridians > 3600)) {
     status = placido_error_set(err, PLACIDO_INPUT, "%d meridians, expected 24 to 3600",
                                meridians);
   }
-  if (status || (status = yardstick_of(&yard, instrument, err)) ||
-      (status = placido_mires_plane(&plane, frame, err)) ||
-      (status = placido_mires_centre(centre, &plane, yard.reach_px, yard.inner_px,
-                                     yard.narrow_px, err)) ||
-      (status = placido_polar_new(&polar, &plane, centre, FLATTEST * yard.reach_px, linked,
-                                  threads, err)) ||
-      (status = placido_crossings_find(&crossings, &polar, yard.spacing_px, yard.reach_px, threads,
-                                       err)) ||
-      (status = placido_chains_link(&chains, &crossings, linked / 60, err)) ||
-      (status = placido_chains_number(&chains, &crossings, instrument, yard.expected_px, err)) ||
-      (status = placido_crossings_settle(&crossings, &chains, instrument->edge_count,
-                                         instrument->first_band_bright, yard.expected_px, err))) {
-    goto done;
-  }
-  if ((status = measure(&crossings, &polar, threads, err))) {
-    goto done;
-  }
-  mires->centre_u_px = centre[0];
-  mires->centre_v_px = centre[1];
-  if ((status = placido_crossings_gate(&crossings, instrument->edge_count, err)) ||
-      (status = placido_crossings_confirm(&crossings, instrument->edge_count, yard.expected_px,
-                                          err)) ||
-      (status = placido_crossings_folds(&crossings, instrument->edge_count, &mires->folded,
-                                        &mires->stray, err)) ||
-      (status = collect(mires, &crossings, stride, err)) ||
-      (status = check_enough(mires, edges_min, err))) {
-    goto done;
+  if (!status && !(status = look(&s, frame, err)) && !(status = number(&s, err)) &&
+      !(status = judge(mires, &s, err))) {
+    status = check_enough(mires, edges_min, err);
   }
   double measured = (double)mires->count / ((double)mires->edge_count * mires->meridian_count);
-  if (measured < 0.5) {
+  if (!status && measured < 0.5) {
     placido_notes_add(notes, "only %.0f %% of the mires could be measured", 100 * measured);
   }
-done:
-  placido_image_free(&plane);
-  placido_polar_free(&polar);
-  placido_crossings_free(&crossings);
-  placido_chains_free(&chains);
+  placido_image_free(&s.plane);
+  placido_polar_free(&s.polar);
+  placido_crossings_free(&s.crossings);
+  placido_chains_free(&s.chains);
   if (status) {
     placido_mires_free(mires);
   }

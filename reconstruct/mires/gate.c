@@ -12,7 +12,7 @@
 #define HEIGHT_TOLERANCE 0.35 /* least; noisy pictures get up to twice as much */
 #define WIDTH_TOLERANCE 0.25
 #define FAINT 0.2         /* of the usual height: a lash's shadow, not a mire */
-#define SAMPLED 4         /* meridians of a block at which its medians look */
+#define SAMPLED 2         /* meridians of a block at which its medians look */
 #define BLOCK_FEW 8       /* fewer members of an edge say nothing */
 #define COMPANY_EDGES 2   /* how far the nearest other edge may be */
 /* With fewer edges there is nothing to compare with: a lid's border stands alone. */

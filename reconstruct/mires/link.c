@@ -7,6 +7,7 @@
 #include <math.h>
 
 #define NONE ((size_t)-1)
+#define GAP_MOST_PX 12
 
 /* Links to the next and from the previous meridian, and how fast the radius changes there. */
 typedef struct link_state {
@@ -14,15 +15,32 @@ typedef struct link_state {
   double drift_px;
 } link_state;
 
+/* The first candidate on `meridian` that lies at or beyond `radius`. */
+static size_t first_beyond(const placido_crossings *all, int meridian, double radius) {
+  size_t low = all->first[meridian], high = all->first[meridian + 1];
+  while (low < high) {
+    size_t middle = low + (high - low) / 2;
+    if (all->list[middle].radius_px < radius) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
 /* The nearest candidate of the same polarity on `meridian` to `radius`, within tolerance. */
 static size_t nearest(const placido_crossings *all, int meridian, double radius, bool rising,
                       double tolerance) {
-  size_t best = NONE;
-  for (size_t i = all->first[meridian]; i < all->first[meridian + 1]; i++) {
+  size_t best = NONE, last = all->first[meridian + 1];
+  for (size_t i = first_beyond(all, meridian, radius - tolerance); i < last; i++) {
     const placido_crossing *c = &all->list[i];
-    double distance = fabs(c->radius_px - radius);
-    if ((c->slope > 0) == rising && distance < tolerance) {
-      tolerance = distance;
+    double distance = c->radius_px - radius;
+    if (distance >= tolerance) {
+      break;
+    }
+    if ((c->slope > 0) == rising && fabs(distance) < tolerance) {
+      tolerance = fabs(distance);
       best = i;
     }
   }
@@ -33,10 +51,21 @@ static size_t nearest(const placido_crossings *all, int meridian, double radius,
  * two edges away. */
 static double tolerance_at(const placido_crossings *all, size_t i) {
   const placido_crossing *c = &all->list[i];
-  double gap = 12;
-  for (size_t j = all->first[c->meridian]; j < all->first[c->meridian + 1]; j++) {
-    if (j != i && (all->list[j].slope > 0) == (c->slope > 0)) {
-      gap = fmin(gap, fabs(all->list[j].radius_px - c->radius_px));
+  double gap = GAP_MOST_PX;
+  for (size_t j = i; j-- > all->first[c->meridian];) {
+    double distance = c->radius_px - all->list[j].radius_px;
+    bool same = (all->list[j].slope > 0) == (c->slope > 0);
+    gap = same ? fmin(gap, distance) : gap;
+    if (same || distance > gap) {
+      break;
+    }
+  }
+  for (size_t j = i + 1; j < all->first[c->meridian + 1]; j++) {
+    double distance = all->list[j].radius_px - c->radius_px;
+    bool same = (all->list[j].slope > 0) == (c->slope > 0);
+    gap = same ? fmin(gap, distance) : gap;
+    if (same || distance > gap) {
+      break;
     }
   }
   return fmax(1, gap / 3);

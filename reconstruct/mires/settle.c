@@ -218,6 +218,27 @@ static void drop_noise(settling *n, int edge) {
   }
 }
 
+/* Predicts and assigns by turns until nothing changes. */
+static int repeat(settling *n, placido_error *err) {
+  size_t before = 0, count = fill(n);
+  int status = PLACIDO_OK;
+  for (int pass = 0; pass < PASSES && count != before && !status; pass++) {
+    before = count;
+    status = placido_field_predict(&n->field, err);
+    for (int m = 0; m < n->all->meridians && !status; m++) {
+      assign(n, m);
+    }
+    for (int k = 0; k < n->field.edges && !status; k++) {
+      drop_noise(n, k);
+    }
+    fill(n);
+    spread_trust(n);
+    drop_distrusted(n);
+    count = fill(n);
+  }
+  return status;
+}
+
 int placido_crossings_settle(placido_crossings *crossings, const placido_chains *chains,
                              int edge_count, bool first_rises, const double *ordinary_px,
                              placido_error *err) {
@@ -242,21 +263,7 @@ int placido_crossings_settle(placido_crossings *crossings, const placido_chains 
       bool is_long = c->edge >= 0 && chains->list[c->chain].length * LONG > crossings->meridians;
       n.own[i] = c->edge = is_long ? c->edge : -1;
     }
-    size_t before = 0, count = fill(&n);
-    for (int pass = 0; pass < PASSES && count != before; pass++) {
-      before = count;
-      placido_field_predict(&n.field);
-      for (int m = 0; m < crossings->meridians; m++) {
-        assign(&n, m);
-      }
-      for (int k = 0; k < edge_count; k++) {
-        drop_noise(&n, k);
-      }
-      fill(&n);
-      spread_trust(&n);
-      drop_distrusted(&n);
-      count = fill(&n);
-    }
+    status = repeat(&n, err);
   }
   placido_field_free(&n.field);
   placido_memory_free(n.trusted);

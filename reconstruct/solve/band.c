@@ -1,6 +1,6 @@
 /* Banded Cholesky, a panel of columns at a time (Golub and Van Loan, Matrix Computations, 4.3.5):
- * for the fit's few hundred unknowns a band is at least as fast as a sparse factor, since all of its
- * loops run over neighbouring numbers; and it needs no ordering. */
+ * for the fit's few hundred unknowns a band is at least as fast as a sparse factor, since all of
+ * its loops run over neighbouring numbers; and it needs no ordering. */
 #include "reconstruct/solve/band.h"
 
 #include "base/memory.h"
@@ -213,7 +213,8 @@ static void multiply(double *product, const struct whole *z, int first, const do
   }
 }
 
-/* Writes the panel's columns, Z21 = -Z22 M and Z11 = L11⁻ᵀ L11⁻¹ - Z21ᵀ M, and their mirror image. */
+/* Writes the panel's columns, Z21 = -Z22 M and Z11 = L11⁻ᵀ L11⁻¹ - Z21ᵀ M, and their mirror image.
+ * */
 static void put(const struct whole *z, const placido_band *factor, int first,
                 const double *product, const double *ratios) {
   int rows = z->reach;

@@ -1,5 +1,5 @@
-/* Symmetric positive definite matrices of small bandwidth: Cholesky's factor, solutions with it, and
- * the part of the inverse within the band. */
+/* Symmetric positive definite matrices of small bandwidth: Cholesky's factor, solutions with it,
+ * and the part of the inverse within the band. */
 #ifndef PLACIDO_SOLVE_BAND_H
 #define PLACIDO_SOLVE_BAND_H
 
@@ -10,8 +10,8 @@
 /* So many columns are eliminated, and so many right-hand sides solved for, at a time. */
 #define PLACIDO_BAND_PANEL 8
 
-/* The lower triangle by columns: entry (i, j), i - j < width, is entries[j * stride + i - j]. What a
- * column has beyond its width is 0, and columns beyond `count` are those of the identity, so that
+/* The lower triangle by columns: entry (i, j), i - j < width, is entries[j * stride + i - j]. What
+ * a column has beyond its width is 0, and columns beyond `count` are those of the identity, so that
  * loops over whole panels need no borders. */
 typedef struct placido_band {
   int count, width;

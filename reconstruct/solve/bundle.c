@@ -1,33 +1,20 @@
-/* Newton's method along many rays at a time. What stands in a batch is computed in plain loops over
- * arrays, which compilers turn into vector code; a number that is not one (NaN) is a ray that
- * misses. */
+/* Newton's method along many rays at a time: rays that come far on the cornea ask the shape again,
+ * where they are then. */
 #include "reconstruct/solve/bundle.h"
 
 #include "base/memory.h"
-#include "reconstruct/mirror_inside.h"
-#include "reconstruct/vector.h"
+#include "reconstruct/solve/batch.h"
 
 #include <string.h>
 
-#define BATCH PLACIDO_BUNDLE_BATCH
-#define ORDER PLACIDO_SPLINE_ORDER
+#define BATCH PLACIDO_BATCH
 #define CELL PLACIDO_SPLINE_CELL
-#define LANES 8
 #define TILES 40
 #define TILE_MM 0.5
 #define PASSES_MAX 30
-/* A ray that meets the shape so near to where the shape was asked needs not ask again: its jet there
- * follows from the second derivatives, to 1e-9 of slope. */
+/* A ray that meets the shape so near to where the shape was asked needs not ask again: its jet
+ * there follows from the second derivatives, to 1e-9 of slope. */
 #define ASIDE_MM 1e-4
-
-/* Rays that are worked on together, and the shape's jet where they are. */
-struct batch {
-  int count, lanes; /* what is beyond the count repeats the last ray, for vectors that are full */
-  double in[PLACIDO_RAY_NUMBERS][BATCH];
-  double x[BATCH], y[BATCH], z[BATCH], p[BATCH], q[BATCH], xx[BATCH], xy[BATCH], yy[BATCH];
-  double f[BATCH], by_z[BATCH], by_p[BATCH], by_q[BATCH], by_u[BATCH], by_v[BATCH];
-  double by_radius[BATCH], by_height[BATCH], slope[BATCH];
-};
 
 /* The square of the cornea that a sample's ray starts from. */
 static size_t tile_of(const placido_sample *s) {
@@ -173,140 +160,7 @@ static bool find_place(placido_bundle *bundle, const placido_grid *grid, size_t 
   return true;
 }
 
-static void gather(struct batch *b, const placido_bundle *bundle, const size_t *which) {
-  for (int k = 0; k <= PLACIDO_RAY_PLACE_Y; k++) {
-    if (k <= PLACIDO_RAY_T || k >= PLACIDO_RAY_PLACE_X) {
-      for (int i = 0; i < b->lanes; i++) {
-        b->in[k][i] = bundle->numbers[k][which[i < b->count ? i : b->count - 1]];
-      }
-    }
-  }
-}
-
-PLACIDO_WIDE static void add_base(struct batch *b, const placido_conicoid *base) {
-  const placido_conicoid k = *base;
-  for (int i = 0; i < b->lanes; i++) {
-    placido_hit hit = {.x = b->in[PLACIDO_RAY_ORIGIN_X][i] +
-                            b->in[PLACIDO_RAY_T][i] * b->in[PLACIDO_RAY_DIRECTION_X][i],
-                       .y = b->in[PLACIDO_RAY_ORIGIN_Y][i] +
-                            b->in[PLACIDO_RAY_T][i] * b->in[PLACIDO_RAY_DIRECTION_Y][i]};
-    placido_conicoid_at(&k, &hit);
-    b->x[i] = hit.x;
-    b->y[i] = hit.y;
-    b->z[i] = hit.z;
-    b->p[i] = hit.p;
-    b->q[i] = hit.q;
-    b->xx[i] = hit.xx;
-    b->xy[i] = hit.xy;
-    b->yy[i] = hit.yy;
-  }
-}
-
-/* The cell's polynomial and its derivatives by Horner's rule, in x inside, in y outside. */
-PLACIDO_WIDE static void add_spline(struct batch *b, const double polynomial[CELL], double knot_mm) {
-  double slope = 1 / knot_mm, bend = slope * slope;
-  for (int i = 0; i < b->lanes; i++) {
-    double x = b->in[PLACIDO_RAY_PLACE_X][i], y = b->in[PLACIDO_RAY_PLACE_Y][i];
-    double z = 0, zy = 0, zyy = 0, zx = 0, zxy = 0, zxx = 0;
-#pragma GCC unroll 6
-    for (int m = ORDER - 1; m >= 0; m--) {
-      const double *line = polynomial + m * ORDER;
-      double v = line[5], d = 0, dd = 0;
-#pragma GCC unroll 5
-      for (int n = ORDER - 2; n >= 0; n--) {
-        dd = dd * x + d;
-        d = d * x + v;
-        v = v * x + line[n];
-      }
-      zyy = zyy * y + zy;
-      zy = zy * y + z;
-      z = z * y + v;
-      zxy = zxy * y + zx;
-      zx = zx * y + d;
-      zxx = zxx * y + 2 * dd;
-    }
-    b->z[i] += z;
-    b->p[i] += slope * zx;
-    b->q[i] += slope * zy;
-    b->xx[i] += bend * zxx;
-    b->xy[i] += bend * zxy;
-    b->yy[i] += bend * 2 * zyy;
-  }
-}
-
-/* One step of Newton's along the rays, and the jet where they come to be. */
-PLACIDO_WIDE static void step(struct batch *b, double origin_z_mm) {
-  for (int i = 0; i < b->lanes; i++) {
-    double dx = b->in[PLACIDO_RAY_DIRECTION_X][i], dy = b->in[PLACIDO_RAY_DIRECTION_Y][i];
-    double over = origin_z_mm - b->in[PLACIDO_RAY_T][i] - b->z[i];
-    double dt = over / (1 + b->p[i] * dx + b->q[i] * dy);
-    double ax = dt * dx, ay = dt * dy;
-    b->in[PLACIDO_RAY_T][i] += dt;
-    b->x[i] += ax;
-    b->y[i] += ay;
-    b->z[i] = origin_z_mm - b->in[PLACIDO_RAY_T][i];
-    b->p[i] += b->xx[i] * ax + b->xy[i] * ay;
-    b->q[i] += b->xy[i] * ax + b->yy[i] * ay;
-    b->in[PLACIDO_RAY_ASIDE][i] = fabs(ax) + fabs(ay);
-  }
-}
-
-PLACIDO_WIDE static void mirror(struct batch *b, double origin_z_mm, bool moves_origin) {
-  double origin = moves_origin, direction = !moves_origin;
-  for (int i = 0; i < b->lanes; i++) {
-    double ux = b->in[PLACIDO_RAY_U_X][i], uy = b->in[PLACIDO_RAY_U_Y][i];
-    double vx = b->in[PLACIDO_RAY_V_X][i], vy = b->in[PLACIDO_RAY_V_Y][i];
-    placido_ray ray = {
-        .origin = {0, 0, origin_z_mm},
-        .direction = {b->in[PLACIDO_RAY_DIRECTION_X][i], b->in[PLACIDO_RAY_DIRECTION_Y][i], -1},
-        .origin_u = {origin * ux, origin * uy, 0},
-        .direction_u = {direction * ux, direction * uy, 0},
-        .origin_v = {origin * vx, origin * vy, 0},
-        .direction_v = {direction * vx, direction * vy, 0}};
-    placido_hit hit = {b->x[i], b->y[i], b->z[i], b->p[i], b->q[i], b->xx[i], b->xy[i], b->yy[i]};
-    placido_miss miss;
-    placido_mirror_miss_inside(&miss, &ray, &hit, b->in[PLACIDO_RAY_EDGE_RADIUS][i],
-                               b->in[PLACIDO_RAY_EDGE_Z][i]);
-    double slope = b->in[PLACIDO_RAY_NOISE][i] *
-                   sqrt(miss.by_u * miss.by_u + miss.by_v * miss.by_v);
-    double share = 1 / slope;
-    b->f[i] = miss.f;
-    b->by_z[i] = miss.by_z;
-    b->by_p[i] = miss.by_p;
-    b->by_q[i] = miss.by_q;
-    b->by_u[i] = miss.by_u;
-    b->by_v[i] = miss.by_v;
-    b->by_radius[i] = miss.by_radius;
-    b->by_height[i] = miss.by_height;
-    b->slope[i] = slope;
-    b->in[PLACIDO_RAY_RESIDUAL_PX][i] = miss.f * share;
-    b->in[PLACIDO_RAY_BY_Z][i] = miss.by_z * share;
-    b->in[PLACIDO_RAY_BY_P][i] = miss.by_p * share;
-    b->in[PLACIDO_RAY_BY_Q][i] = miss.by_q * share;
-  }
-}
-
-static void evaluate(struct batch *b, const placido_conicoid *base, const double *polynomial,
-                     double knot_mm, double origin_z_mm, bool moves_origin) {
-  add_base(b, base);
-  if (polynomial) {
-    add_spline(b, polynomial, knot_mm);
-  }
-  step(b, origin_z_mm);
-  mirror(b, origin_z_mm, moves_origin);
-}
-
-static void scatter(const struct batch *b, placido_bundle *bundle, const size_t *which) {
-  for (int k = PLACIDO_RAY_T; k < PLACIDO_RAY_NUMBERS; k++) {
-    if (k < PLACIDO_RAY_PLACE_X || k > PLACIDO_RAY_PLACE_Y) {
-      for (int i = 0; i < b->count; i++) {
-        bundle->numbers[k][which[i]] = b->in[k][i];
-      }
-    }
-  }
-}
-
-static void tell_batch(const struct batch *b, placido_bundle *bundle, const size_t *which,
+static void tell_batch(const placido_batch *b, placido_bundle *bundle, const size_t *which,
                        placido_spot spot) {
   for (int i = 0; i < b->count; i++) {
     placido_sample *s = &bundle->samples[bundle->sample[which[i]]];
@@ -330,7 +184,7 @@ static void evaluate_all(placido_bundle *bundle, const placido_target *target, b
   double knot_mm = grid ? grid->knot_mm : 1;
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
   for (size_t c = 0; c < cells; c++) {
-    struct batch batch;
+    placido_batch batch;
     double polynomial[CELL];
     int column = grid ? (int)c % grid->cells : 0, row = grid ? (int)c / grid->cells : 0;
     if (grid && bundle->starts[c] < bundle->starts[c + 1]) {
@@ -338,13 +192,11 @@ static void evaluate_all(placido_bundle *bundle, const placido_target *target, b
     }
     for (size_t at = bundle->starts[c]; at < bundle->starts[c + 1]; at += BATCH) {
       const size_t *which = bundle->order + at, left = bundle->starts[c + 1] - at;
-      batch.count = left < BATCH ? (int)left : BATCH;
-      batch.lanes = (batch.count + LANES - 1) / LANES * LANES;
-      gather(&batch, bundle, which);
-      evaluate(&batch, &target->base, grid ? polynomial : NULL, knot_mm,
-               bundle->origin_z_mm, bundle->moves_origin);
+      placido_batch_gather(&batch, bundle, which, left < BATCH ? (int)left : BATCH);
+      placido_batch_evaluate(&batch, &target->base, grid ? polynomial : NULL, knot_mm,
+                             bundle->origin_z_mm, bundle->moves_origin);
       if (!tells) {
-        scatter(&batch, bundle, which);
+        placido_batch_scatter(&batch, bundle, which);
       } else {
         const placido_spot spot = {.column = column, .row = row, .knot_mm = knot_mm};
         tell_batch(&batch, bundle, which, spot);

@@ -6,8 +6,6 @@
 #include "reconstruct/solve/conicoid.h"
 #include "reconstruct/solve/shape.h"
 
-#define PLACIDO_BUNDLE_BATCH 64 /* rays that are worked on at a time */
-
 /* What is kept of every ray. A camera's rays share the z of their origin, and their directions have
  * z = -1; by the image point either their origins move or their directions. */
 enum placido_ray_number {

@@ -60,6 +60,8 @@ static int check_lists(const placido_mires *list, size_t count,
 
 static int copy_mires(placido_mires *copy, const placido_mires *mires, placido_error *err) {
   *copy = *mires;
+  copy->doubtful = NULL;
+  copy->doubtful_count = 0;
   copy->points = placido_memory_new(mires->count, sizeof *copy->points, err);
   if (!copy->points) {
     *copy = (placido_mires){0};
@@ -199,7 +201,8 @@ static int write_mires(placido_mires *combined, combination *c, placido_error *e
   }
   *combined = c->list[0];
   combined->points = points;
-  combined->count = 0;
+  combined->doubtful = NULL;
+  combined->count = combined->doubtful_count = 0;
   combined->centre_u_px = c->centre_px[0];
   combined->centre_v_px = c->centre_px[1];
   find_starts(c);

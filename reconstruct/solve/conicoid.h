@@ -12,8 +12,8 @@ typedef struct placido_conicoid {
   double radius_mm, q, cx_mm, cy_mm, apex_z_mm;
 } placido_conicoid;
 
-/* The jet of z at (hit->x, hit->y): z = apex - c ρ² / (1 + w), w² = 1 - (1 + q) c² ρ². All NaN beyond
- * the equator. */
+/* The jet of z at (hit->x, hit->y): z = apex - c ρ² / (1 + w), w² = 1 - (1 + q) c² ρ². All NaN
+ * beyond the equator. */
 PLACIDO_INSIDE void placido_conicoid_at(const placido_conicoid *k, placido_hit *hit) {
   double c = 1 / k->radius_mm, bend = (1 + k->q) * c * c;
   double x = hit->x - k->cx_mm, y = hit->y - k->cy_mm, square = x * x + y * y;

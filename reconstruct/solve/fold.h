@@ -15,4 +15,10 @@ size_t placido_fold_find(placido_place *places, const placido_sample *samples, s
 double placido_fold_mask(placido_coverage *coverage, unsigned char *mask,
                          const placido_place *places, size_t count);
 
+/* The area of the coverage's holes that are shut in all round. Lashes, nose and lid hide what is
+ * connected with the outside; a fold leaves a hole in the middle. `area_mm2` receives it. Returns
+ * PLACIDO_OK or PLACIDO_MEMORY. */
+int placido_fold_hole(double *area_mm2, const placido_coverage *coverage, const unsigned char *mask,
+                      placido_error *err);
+
 #endif

@@ -10,8 +10,6 @@
 
 #include <math.h>
 
-#define MODES_AT_ONCE 8 /* share a sample's row; threads take such blocks */
-
 /* How the image of the camera's coordinates (x, y) moves with focal length, principal point and
  * Brown's five terms, as in camera.c. `seen` are the coordinates with the distortion in them. */
 static void image_by_intrinsics(double by[9][2], const double focal_px[2], const double seen[2],
@@ -146,31 +144,6 @@ static void differentiate(placido_moves *moves, const placido_refinement *r,
   }
 }
 
-/* -JᵀW d r of the modes from `first` up to `last`, one after the other in `rights`. */
-static void push(double *rights, const placido_refinement *r, const placido_moves *moves, int first,
-                 int last) {
-  int side = r->shape.grid->side;
-  size_t n = (size_t)side * (size_t)side;
-  for (size_t i = 0; i < r->count; i++) {
-    const placido_sample *s = &r->samples[i];
-    const double *change = moves->change + i * (size_t)moves->modes;
-    double row[PLACIDO_SPLINE_CELL], weight = 0;
-    for (int m = first; m < last; m++) {
-      if (change[m] == 0) {
-        continue; /* an edge's own mode leaves the other edges alone */
-      }
-      if (weight == 0) {
-        weight = placido_sample_row(row, s, r->sigma_px);
-      }
-      double pull = weight * change[m];
-      double *corner = rights + (size_t)m * n + s->basis.row * side + s->basis.column;
-      for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
-        corner[k / PLACIDO_SPLINE_ORDER * side + k % PLACIDO_SPLINE_ORDER] -= pull * row[k];
-      }
-    }
-  }
-}
-
 int placido_moves_new(placido_moves *moves, const placido_refinement *r,
                       const placido_mires *mires, const placido_instrument *instrument,
                       const placido_uncertainty *uncertainty, int modes, placido_error *err) {
@@ -182,9 +155,9 @@ int placido_moves_new(placido_moves *moves, const placido_refinement *r,
   int status = moves->change && moves->coefficients && right ? PLACIDO_OK : PLACIDO_MEMORY;
   if (!status) {
     differentiate(moves, r, mires, instrument, uncertainty);
-#pragma omp parallel for num_threads(r->threads) schedule(dynamic, 1)
-    for (int m = 0; m < modes; m += MODES_AT_ONCE) {
-      push(right, r, moves, m, m + MODES_AT_ONCE < modes ? m + MODES_AT_ONCE : modes);
+    placido_refinement_push(right, r, NULL, moves->change, modes);
+    for (size_t i = 0; i < rights; i++) {
+      right[i] = -right[i];
     }
     status = placido_normal_solve_more(r->normal, right, modes, moves->coefficients, err);
   }

@@ -40,25 +40,41 @@ static double by_distance(const placido_fit *fit, size_t index) {
   return fit->axis_z_sigma_mm * (fit->by_distance[index] - 1);
 }
 
-static void find_cell(placido_jet_cell *cell, const placido_fit *fit,
-                      const placido_jet_rows *rows) {
+static void find_cell(double covariance[CELL * CELL], const placido_fit *fit, int column, int row) {
+  const placido_jet_rows at = {.column = column, .row = row};
   double geometry[CELL * CELL], distance[CELL];
-  placido_fit_noise_block(cell->covariance, fit, rows->column, rows->row);
+  placido_fit_noise_block(covariance, fit, column, row);
   if (fit->geometry) {
-    placido_normal_block(fit->normal, fit->geometry, rows->column, rows->row, geometry);
+    placido_normal_block(fit->normal, fit->geometry, column, row, geometry);
   }
   for (int k = 0; k < CELL; k++) {
-    distance[k] = by_distance(fit, index_of(rows, fit->grid.side, k));
+    distance[k] = by_distance(fit, index_of(&at, fit->grid.side, k));
   }
-  for (int r = 0; r < CELL; r++) {
-    for (int c = 0; c < CELL; c++) {
-      int k = r * CELL + c;
-      cell->covariance[k] += distance[r] * distance[c] + (fit->geometry ? geometry[k] : 0);
+  for (int k = 0; k < CELL * CELL; k++) {
+    covariance[k] += distance[k / CELL] * distance[k % CELL] + (fit->geometry ? geometry[k] : 0);
+  }
+}
+
+int placido_jet_cells_new(placido_jet_cells *cells, const placido_fit *fit, placido_error *err) {
+  size_t side = (size_t)fit->grid.cells;
+  *cells = (placido_jet_cells){.side = fit->grid.cells};
+  cells->covariance = placido_memory_new(side * side * CELL * CELL, sizeof(double), err);
+  if (!cells->covariance) {
+    return PLACIDO_MEMORY;
+  }
+#pragma omp parallel for schedule(dynamic, 1)
+  for (int row = 0; row < cells->side; row++) {
+    for (int column = 0; column < cells->side; column++) {
+      size_t cell = (size_t)row * side + (size_t)column;
+      find_cell(cells->covariance + cell * CELL * CELL, fit, column, row);
     }
   }
-  cell->known = true;
-  cell->column = rows->column;
-  cell->row = rows->row;
+  return PLACIDO_OK;
+}
+
+void placido_jet_cells_free(placido_jet_cells *cells) {
+  placido_memory_free(cells->covariance);
+  *cells = (placido_jet_cells){0};
 }
 
 /* out = R C Rᵀ. */
@@ -86,12 +102,9 @@ static void enclose(double out[PLACIDO_JET_TERMS][PLACIDO_JET_TERMS], const doub
 }
 
 void placido_jet_covariance(double covariance[PLACIDO_JET_TERMS][PLACIDO_JET_TERMS],
-                            placido_jet_cell *cell, const placido_fit *fit,
-                            const placido_jet_rows *rows) {
-  if (!cell->known || cell->column != rows->column || cell->row != rows->row) {
-    find_cell(cell, fit, rows);
-  }
-  enclose(covariance, cell->covariance, rows->terms);
+                            const placido_jet_cells *cells, const placido_jet_rows *rows) {
+  size_t cell = (size_t)rows->row * (size_t)cells->side + (size_t)rows->column;
+  enclose(covariance, cells->covariance + cell * CELL * CELL, rows->terms);
 }
 
 size_t placido_jet_coefficients(const placido_fit *fit) {

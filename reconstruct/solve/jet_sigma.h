@@ -9,13 +9,17 @@
  * against its value on the axis (placido_jet_weights_level tells the level). */
 #define PLACIDO_JET_TERMS 6
 
-/* The covariance of a cell's coefficients, all sources together, kept from point to point: points
- * of one cell share it. Start with {.known = false}; each thread has its own. */
-typedef struct placido_jet_cell {
-  bool known;
-  int column, row;
-  double covariance[PLACIDO_SPLINE_CELL * PLACIDO_SPLINE_CELL];
-} placido_jet_cell;
+/* The covariance of every cell's coefficients, all sources together: the points of a cell share
+ * it. */
+typedef struct placido_jet_cells {
+  int side;           /* cells along a side */
+  double *covariance; /* side * side full matrices of CELL × CELL, rows of cells outer */
+} placido_jet_cells;
+
+/* Works on cells in parallel. Free with placido_jet_cells_free. Returns PLACIDO_OK or
+ * PLACIDO_MEMORY. */
+int placido_jet_cells_new(placido_jet_cells *cells, const placido_fit *fit, placido_error *err);
+void placido_jet_cells_free(placido_jet_cells *cells);
 
 /* The rows of the jet's terms over the coefficients of the point's cell. */
 typedef struct placido_jet_rows {
@@ -28,8 +32,7 @@ bool placido_jet_rows_at(placido_jet_rows *rows, const placido_fit *fit, double 
 
 /* The covariance of the jet from all sources of placido_sigma_source. */
 void placido_jet_covariance(double covariance[PLACIDO_JET_TERMS][PLACIDO_JET_TERMS],
-                            placido_jet_cell *cell, const placido_fit *fit,
-                            const placido_jet_rows *rows);
+                            const placido_jet_cells *cells, const placido_jet_rows *rows);
 
 /* Figures that are linear in the sag of the whole surface, such as the parameters of a shape that
  * is fitted to it: their covariance, and how they vary with the coefficients. */

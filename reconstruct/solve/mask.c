@@ -1,66 +1,50 @@
-/* Morphological closing of the sample points on a 0.05 mm grid (Serra 1982), by distance
- * transforms. */
+/* Morphological closing of the sample points on a 0.05 mm grid (Serra 1982) by discs. */
 #include "reconstruct/solve/mask.h"
 
 #include "base/memory.h"
 #include "reconstruct/median.h"
 
 #include <math.h>
+#include <string.h>
 
 #define PITCH_MM 0.05
+#define FAR 255 /* cells; more is not told apart */
 #define REACH_MIN_MM 0.3
 #define REACH_MAX_MM 1.0
 
-/* Squared distances (in cells) to the nearest cell of value `from`, exactly, by the lower envelope
- * of parabolas along rows, then columns (Felzenszwalb and Huttenlocher 2012). One line here. */
-static void transform_line(const double *f, double *d, int n, size_t stride, int *v, double *z) {
-  int k = 0;
-  v[0] = 0;
-  z[0] = -INFINITY;
-  z[1] = INFINITY;
-  for (int q = 1; q < n; q++) {
-    double s;
-    for (;;) {
-      int p = v[k];
-      s = ((f[(size_t)q * stride] + (double)q * q) - (f[(size_t)p * stride] + (double)p * p)) /
-          (2.0 * (q - p));
-      if (s > z[k] || k == 0) {
-        break;
-      }
-      k--;
+/* near[i] = how far cell i is from the nearest one of its row whose value is `from`, at most FAR.
+ * */
+static void search_rows(unsigned char *near, const unsigned char *mask, unsigned char from,
+                        int size) {
+  for (int row = 0; row < size; row++) {
+    const unsigned char *line = mask + row * size;
+    unsigned char *out = near + row * size, left = FAR, right = FAR;
+    for (int i = 0; i < size; i++) {
+      left = (unsigned char)(line[i] == from ? 0 : left < FAR ? left + 1 : FAR);
+      out[i] = left;
     }
-    if (s <= z[k]) {
-      s = z[k];
+    for (int i = size - 1; i >= 0; i--) {
+      right = (unsigned char)(line[i] == from ? 0 : right < FAR ? right + 1 : FAR);
+      out[i] = right < out[i] ? right : out[i];
     }
-    v[++k] = q;
-    z[k] = s;
-    z[k + 1] = INFINITY;
-  }
-  for (int q = 0, at = 0; q < n; q++) {
-    while (z[at + 1] < q) {
-      at++;
-    }
-    d[q] = (double)(q - v[at]) * (q - v[at]) + f[(size_t)v[at] * stride];
   }
 }
 
-/* cells[i] = mask[i] == from ? 0 : squared distance to the nearest that is. */
-static void transform(const unsigned char *mask, unsigned char from, int size, double *cells,
-                      double *line, int *v, double *z) {
-  size_t n = (size_t)size;
-  for (size_t i = 0; i < n * n; i++) {
-    cells[i] = mask[i] == from ? 0 : 1e12;
-  }
-  for (size_t row = 0; row < n; row++) {
-    transform_line(cells + row * n, line, size, 1, v, z);
-    for (size_t i = 0; i < n; i++) {
-      cells[row * n + i] = line[i];
-    }
-  }
-  for (size_t column = 0; column < n; column++) {
-    transform_line(cells + column, line, size, n, v, z);
-    for (size_t i = 0; i < n; i++) {
-      cells[i * n + column] = line[i];
+/* grown[i] = 1 where a cell whose value is `from` lies within `reach` cells: the disc is a stack of
+ * rows, each reaching as far as the disc is wide there. `near` holds as many cells. */
+static void grow(unsigned char *grown, unsigned char *near, const unsigned char *mask,
+                 unsigned char from, int size, double reach) {
+  int half = (int)reach;
+  search_rows(near, mask, from, size);
+  memset(grown, 0, (size_t)size * (size_t)size);
+  for (int row = 0; row < size; row++) {
+    unsigned char *out = grown + row * size;
+    for (int dy = row < half ? -row : -half; dy <= half && row + dy < size; dy++) {
+      const unsigned char *line = near + (row + dy) * size;
+      unsigned char wide = (unsigned char)sqrt(reach * reach - dy * dy);
+      for (int i = 0; i < size; i++) {
+        out[i] |= line[i] <= wide;
+      }
     }
   }
 }
@@ -79,7 +63,8 @@ static int reach_of(double *reach_mm, const placido_sample *samples, size_t coun
     size_t n = 0;
     for (; i < count && samples[i].edge == edge; i++) {
       if (samples[i].used) {
-        radii[n++] = hypot(samples[i].hit.x, samples[i].hit.y);
+        double x = samples[i].hit.x, y = samples[i].hit.y;
+        radii[n++] = sqrt(x * x + y * y);
       }
     }
     if (n) {
@@ -104,12 +89,10 @@ int placido_mask_close(placido_coverage *coverage, unsigned char **mask, double 
   }
   int half = (int)ceil((far + reach_mm) / PITCH_MM) + 2, size = 2 * half + 1;
   size_t cells = (size_t)size * (size_t)size;
-  double *distance = placido_memory_new(cells, sizeof *distance, err);
-  double *line = placido_memory_new((size_t)size, sizeof *line, err);
-  double *z = placido_memory_new((size_t)size + 1, sizeof *z, err);
-  int *v = placido_memory_new((size_t)size, sizeof *v, err);
+  unsigned char *grown = placido_memory_new(cells, 1, err);
+  unsigned char *near = placido_memory_new(cells, 1, err);
   *mask = placido_memory_new(cells, 1, err);
-  if (!distance || !line || !z || !v || !*mask) {
+  if (!grown || !near || !*mask) {
     placido_memory_free(*mask);
     *mask = NULL;
     status = PLACIDO_MEMORY;
@@ -120,15 +103,12 @@ int placido_mask_close(placido_coverage *coverage, unsigned char **mask, double 
     size_t row = (size_t)(lrint(places[i].y_mm / PITCH_MM) + half);
     (*mask)[row * (size_t)size + column] = 1;
   }
-  double limit = reach_mm / PITCH_MM * (reach_mm / PITCH_MM);
-  transform(*mask, 1, size, distance, line, v, z);
-  for (size_t i = 0; i < cells; i++) {
-    (*mask)[i] = distance[i] <= limit;
-  }
-  transform(*mask, 0, size, distance, line, v, z);
+  const double reach = fmin(reach_mm / PITCH_MM, FAR - 1);
+  grow(grown, near, *mask, 1, size, reach);
+  grow(*mask, near, grown, 0, size, reach);
   double most = 0;
   for (size_t i = 0; i < cells; i++) {
-    (*mask)[i] = distance[i] > limit;
+    (*mask)[i] = !(*mask)[i];
     if ((*mask)[i]) {
       double x = ((double)(i % (size_t)size) - half) * PITCH_MM;
       double y = ((double)(i / (size_t)size) - half) * PITCH_MM;
@@ -143,10 +123,8 @@ int placido_mask_close(placido_coverage *coverage, unsigned char **mask, double 
                                  .rows = size,
                                  .mask = *mask};
 done:
-  placido_memory_free(distance);
-  placido_memory_free(line);
-  placido_memory_free(z);
-  placido_memory_free(v);
+  placido_memory_free(grown);
+  placido_memory_free(near);
   return status;
 }
 

@@ -1,6 +1,7 @@
 /* Normal equations on the pattern of a tensor-product spline: two coefficients meet where they are
  * at most `degree` apart both ways. What meets a coefficient is stored as a stencil of rows below
- * it, the same for every coefficient; the factor is a band's, since the order row by row has one. */
+ * it, the same for every coefficient; the factor is a band's, since the order row by row has one.
+ * */
 #include "reconstruct/solve/normal.h"
 
 #include "base/memory.h"
@@ -283,16 +284,22 @@ int placido_normal_outer(const placido_normal *normal, const double *x, int coun
 
 double placido_normal_variance(const placido_normal *normal, const double *inverse, int column,
                                int row, const double v[CELL]) {
-  double sum = 0;
+  double diagonal = 0, beside = 0;
   for (int c = 0; c < CELL; c++) {
     int cj = c / ORDER, ci = c % ORDER, at = (row + cj) * normal->grid.side + column + ci;
-    double own = v[c] * inverse[slot_of(at, 0, 0)];
-    for (int r = c + 1; r < CELL; r++) {
-      own += 2 * v[r] * inverse[slot_of(at, r / ORDER - cj, r % ORDER - ci)];
+    double own = 0;
+    for (int ri = ci + 1; ri < ORDER; ri++) {
+      own += v[cj * ORDER + ri] * inverse[slot_of(at, 0, ri - ci)];
     }
-    sum += v[c] * own;
+    for (int rj = cj + 1; rj < ORDER; rj++) {
+      const double *line = inverse + slot_of(at, rj - cj, -ci), *w = v + rj * ORDER;
+      own += (w[0] * line[0] + w[1] * line[1]) + (w[2] * line[2] + w[3] * line[3]) +
+             (w[4] * line[4] + w[5] * line[5]);
+    }
+    diagonal += v[c] * v[c] * inverse[slot_of(at, 0, 0)];
+    beside += v[c] * own;
   }
-  return sum;
+  return diagonal + 2 * beside;
 }
 
 void placido_normal_block(const placido_normal *normal, const double *inverse, int column, int row,

@@ -37,11 +37,12 @@ int placido_normal_solve(placido_normal *normal, double damping, double *step,
 
 /* Solves with the last factor for `count` more right-hand sides, one after the other in `right` as
  * the solutions in `x`; both may be the same array. Any number of threads may do so. */
-int placido_normal_solve_more(const placido_normal *normal, const double *right, int count, double *x,
-                              placido_error *err);
+int placido_normal_solve_more(const placido_normal *normal, const double *right, int count,
+                              double *x, placido_error *err);
 
-/* `count` vectors of coefficients, one after the other in `x`, whose outer products have the inverse
- * of the last factor's matrix for their mean, from as many of standard normal numbers: Lᵀ x = z. */
+/* `count` vectors of coefficients, one after the other in `x`, whose outer products have the
+ * inverse of the last factor's matrix for their mean, from as many of standard normal numbers: Lᵀ x
+ * = z. */
 int placido_normal_draw(const placido_normal *normal, const double *z, int count, double *x,
                         placido_error *err);
 

@@ -197,8 +197,8 @@ static void put_in_order(placido_mires *mires) {
 }
 
 int placido_numbering_settle(placido_mires *mires, const placido_sample *samples, size_t count,
-                             const placido_instrument *instrument, double limit_px,
-                             size_t *changed, placido_error *err) {
+                             const placido_instrument *instrument, double limit_px, size_t *changed,
+                             placido_error *err) {
   *changed = 0;
   int *numbers = placido_memory_new(count, sizeof *numbers, err);
   if (!numbers) {

@@ -17,8 +17,8 @@ int placido_numbering_doubt(placido_sample *samples, size_t count, const placido
  * samples, traced and told, are out of date where `changed` is not 0. Returns PLACIDO_OK or
  * PLACIDO_MEMORY. */
 int placido_numbering_settle(placido_mires *mires, const placido_sample *samples, size_t count,
-                             const placido_instrument *instrument, double limit_px,
-                             size_t *changed, placido_error *err);
+                             const placido_instrument *instrument, double limit_px, size_t *changed,
+                             placido_error *err);
 
 /* Adds `shift` to all numbers; points whose edge there is none of go. */
 void placido_numbering_shift(placido_mires *mires, int shift);

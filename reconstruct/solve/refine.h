@@ -14,6 +14,7 @@ typedef struct placido_refinement {
   placido_target shape;
   double *coefficients; /* what shape.coefficients points to; whoever sets them clears `traced` */
   bool traced;          /* the residuals are those of the coefficients */
+  bool told;            /* and the samples have been told everything */
   placido_normal *normal;
   bool damped;          /* the normal matrix's factor is that of a damped step */
   placido_bundle *rays; /* borrowed, and its samples */
@@ -45,21 +46,23 @@ double placido_sample_row(double row[PLACIDO_SPLINE_CELL], const placido_sample 
 /* The weight alone. */
 double placido_sample_weight(const placido_sample *sample, double sigma_px);
 
-/* Adds JᵀW e for `columns` columns of errors e in sigmas, which stand side by side sample by sample,
- * to as many right-hand sides, which stand one after the other. */
-void placido_refinement_push(double *rights, const placido_refinement *r, const double *errors,
-                             int columns);
+/* Adds JᵀW e to right-hand sides that stand one after the other: for each edge of `mires` (may be
+ * NULL) one whose errors e are 1/noise for its own samples, then one for each of `columns` columns
+ * of errors, in sigmas, which stand side by side sample by sample. */
+void placido_refinement_push(double *rights, const placido_refinement *r,
+                             const placido_mires *mires, const double *errors, int columns);
 
 /* Follows the rays to the shape as it stands, where that has not been done, and tells the samples
  * their residuals. */
 void placido_refinement_trace(placido_refinement *r);
 
 /* Iterates until the cost falls by less than the share `settled` in a step, or would in the next
- * one, and the residuals' spread stays. Leaves in `normal` the matrix and its undamped factor, for the error bars, and
- * tells the samples their residuals and where they are. PLACIDO_QUALITY where it does not settle. */
+ * one, and the residuals' spread stays. Leaves in `normal` the matrix and its undamped factor, for
+ * the error bars, and tells the samples their residuals and where they are. PLACIDO_QUALITY where
+ * it does not settle. */
 int placido_refinement_run(placido_refinement *r, double settled, placido_error *err);
 
-/* Tells the samples everything else. */
+/* Tells the samples everything else, where that has not been done. */
 void placido_refinement_tell(placido_refinement *r);
 
 #endif

@@ -39,7 +39,7 @@ int placido_fit_covariance(placido_fit *fit, placido_error *err) {
   if (!status && !fit->scatter.spread) {
     status = even_scatter(fit, err);
   }
-  return status ? status : placido_fit_variants_draw(fit, err);
+  return status;
 }
 
 /* The mean height over a zone's covered points, as weights over the coefficients. Returns how many
@@ -109,7 +109,6 @@ void placido_fit_free(placido_fit *fit) {
   placido_memory_free(fit->by_distance);
   placido_memory_free(fit->geometry);
   placido_memory_free(fit->modes);
-  placido_memory_free(fit->draws);
   placido_memory_free(fit->level);
   placido_memory_free(fit->with_level);
   placido_memory_free(fit->lift);
@@ -280,6 +279,29 @@ void placido_fit_budget(const placido_fit *fit, double zone_mm,
     budget[i].z_um = known ? sqrt(sums[i].z_um / points) : (double)NAN;
     budget[i].axial_D = known ? sqrt(sums[i].axial_D / points) : (double)NAN;
   }
+}
+
+double placido_fit_open_share(const placido_fit *fit, double limit_D, placido_open *worst) {
+  double radius = placido_surface_radius_mm(fit->surface);
+  int half = (int)(radius / BUDGET_STEP_MM), covered = 0, open = 0;
+  *worst = (placido_open){0};
+  for (int j = -half; j <= half; j++) {
+    for (int i = -half; i <= half; i++) {
+      struct place place;
+      double x = i * BUDGET_STEP_MM, y = j * BUDGET_STEP_MM;
+      if (hypot(x, y) < BUDGET_STEP_MM || !placido_surface_covered(fit->surface, x, y) ||
+          !place_at(&place, fit, x, y)) {
+        continue;
+      }
+      double sigma_D = place.power * sqrt(fmax(noise_of(fit, &place, place.tilt), 0));
+      covered++;
+      open += sigma_D > limit_D;
+      if (sigma_D > worst->sigma_D) {
+        *worst = (placido_open){x, y, sigma_D};
+      }
+    }
+  }
+  return covered ? (double)open / covered : 0;
 }
 
 void placido_fit_noise_block(double block[PLACIDO_SPLINE_CELL * PLACIDO_SPLINE_CELL],

@@ -23,8 +23,6 @@ struct placido_fit {
   int mode_count;
   double variance_scale; /* usual factor on `inverse` that makes the noise's covariance of it */
   placido_scatter scatter; /* what makes the noise's covariance of `inverse` */
-  double *draws;        /* PLACIDO_NOISE_VARIANTS draws of the coefficients' noise, each scaled so that
-                           their outer products' sum is its covariance */
   double *level;        /* mean height of the central zone, over the coefficients */
   double *with_level;   /* the noise's covariance times `level` */
   double level_variance; /* of the level itself, by the noise */
@@ -33,16 +31,22 @@ struct placido_fit {
   placido_fit_summary summary;
 };
 
-/* Fills by_distance, draws and what is missing of inverse and scatter from the normal matrix's last
- * factor; a scatter that is missing is even, sqrt(variance_scale). */
+/* Fills by_distance and what is missing of inverse and scatter from the normal matrix's last factor;
+ * a scatter that is missing is even, sqrt(variance_scale). */
 int placido_fit_covariance(placido_fit *fit, placido_error *err);
-
-/* Fills draws from the normal matrix's last factor and scatter. */
-int placido_fit_variants_draw(placido_fit *fit, placido_error *err);
 
 /* Fills what counts heights from the level, once surface and scatter are there. Until then heights
  * count from the axis. */
 int placido_fit_level_find(placido_fit *fit, placido_error *err);
+
+/* Where the mires tell least. */
+typedef struct placido_open {
+  double x_mm, y_mm, sigma_D;
+} placido_open;
+
+/* The share of the covered area where the points leave the axial power open by more than a limit,
+ * and the worst place. */
+double placido_fit_open_share(const placido_fit *fit, double limit_D, placido_open *worst);
 
 /* The noise's covariance of a cell's coefficients, a full CELL × CELL matrix. */
 void placido_fit_noise_block(double block[PLACIDO_SPLINE_CELL * PLACIDO_SPLINE_CELL],

@@ -10,6 +10,7 @@
 #include "reconstruct/median.h"
 
 #include <math.h>
+#include <string.h>
 
 #define ARC_DEG 10.0
 #define LEVERAGE_MOST 0.7 /* beyond it a residual tells too little of the error */
@@ -18,17 +19,22 @@
 #define PRIOR_ARCS 6      /* so many arcs of the usual scatter count everywhere */
 #define WAVES_MOST 24
 #define COMMON_EDGES 5    /* on either side tell of an edge's common error */
+#define COMMON_MOST 4.0   /* of the usual edge's variance */
 #define FOLLOWED_MOST 0.7 /* of the common errors by the surface */
 /* Blur of variance s² pulls a curved edge inwards by s²/2 times its curvature. The mires are
  * corrected for that as circles about their centre. What stays open: a small part of it everywhere,
  * more of it where the blur is longer one way (motion, astigmatism), and all of it where an edge's
  * own curvature is another. */
 #define PULL_PX2 0.03
-#define PULL_LONG_PX2 0.09
+#define PULL_NOISE_PX 0.4 /* more per px of noise, which makes a width uncertain */
+#define PULL_LONG_PX2 0.05
+#define PULL_LONGER_PX2 1.5 /* more per unit of unevenness, log of the points' standard deviation  \
+                             */
+#define UNEVEN_SECTORS 6    /* of half a turn: opposite ones count together */
 #define PULL_CURVED_PX2 0.8
 #define PULLS 4
-#define BOW_DEG 6.0 /* an edge's curvature is that of a circle through points so far apart */
-#define OFFSET_CLIP 2.0   /* of an edge's mean, in its standard deviations: the rest is local */
+#define BOW_DEG 6.0     /* an edge's curvature is that of a circle through points so far apart */
+#define OFFSET_CLIP 2.0 /* of an edge's mean, in its standard deviations: the rest is local */
 
 /* An arc of one edge, or a whole edge. */
 typedef struct arc {
@@ -98,8 +104,8 @@ static long arc_of(const placido_mires *mires, const placido_sample *s) {
 /* `offsets`: what is taken off an edge's residuals beforehand, in sigmas. */
 static void map_arcs(map *m, const placido_refinement *r, const placido_mires *mires,
                      const double *residual_px, const double *offsets, const double *inverse) {
-  *m = (map){.half_mm = r->shape.grid->half_mm, .pitch_mm = 2 * r->shape.grid->half_mm /
-                                                            (PLACES - 1)};
+  *m = (map){.half_mm = r->shape.grid->half_mm,
+             .pitch_mm = 2 * r->shape.grid->half_mm / (PLACES - 1)};
   arc here = {0};
   const placido_sample *middle = NULL;
   long now = -1;
@@ -135,7 +141,8 @@ static void window_of(double window[PLACES], const map *m, double at_mm) {
   }
 }
 
-/* The factor on the standard deviation at every coefficient: windows along y first, then along x. */
+/* The factor on the standard deviation at every coefficient: windows along y first, then along x.
+ */
 static void spread_out(double *spread, const map *m, const placido_grid *grid) {
   double usual = m->expected_all > 0 ? m->shown_all / m->expected_all : 1;
   double prior = m->arcs ? PRIOR_ARCS * m->expected_all / (double)m->arcs : 1;
@@ -170,6 +177,10 @@ static int wave_count(int radial, int edges) {
   return most < edges ? most : edges;
 }
 
+static double length(const double v[2]) {
+  return sqrt(v[0] * v[0] + v[1] * v[1]);
+}
+
 /* The curvature of an edge about sample i, per px, from the points on both sides (Menger); 0 where
  * there is none. */
 static double curvature_at(const placido_refinement *r, const placido_mires *mires, size_t i) {
@@ -186,56 +197,97 @@ static double curvature_at(const placido_refinement *r, const placido_mires *mir
   }
   double ab[2] = {b->u_px - a->u_px, b->v_px - a->v_px};
   double bc[2] = {c->u_px - b->u_px, c->v_px - b->v_px};
-  double ac = hypot(c->u_px - a->u_px, c->v_px - a->v_px);
+  double ac[2] = {c->u_px - a->u_px, c->v_px - a->v_px};
   /* meridians run against v: a circle about the centre has a negative cross product */
-  return -2 * (ab[0] * bc[1] - ab[1] * bc[0]) / (hypot(ab[0], ab[1]) * hypot(bc[0], bc[1]) * ac);
+  return -2 * (ab[0] * bc[1] - ab[1] * bc[0]) / (length(ab) * length(bc) * length(ac));
 }
 
-/* What is common to whole edges at a point: the waves over the edges times their standard
- * deviation, then the pulls of the blur; in sigmas of the point. */
-static void common_errors(double *errors, const placido_refinement *r, const placido_mires *mires,
-                          const double *edge_waves, size_t i, int waves) {
+/* How much longer the blur is one way: the second harmonic of the points' own standard deviations
+ * about the centre, as a log; from sectors' medians, so that what hides mires does not show. `work`
+ * has room for a number a sample. */
+static double unevenness(const placido_refinement *r, const placido_mires *mires, double *work) {
+  double along = 0, across = 0;
+  for (int k = 0; k < UNEVEN_SECTORS; k++) {
+    size_t n = 0;
+    for (size_t i = 0; i < r->count; i++) {
+      const placido_mire_point *point = &mires->points[r->samples[i].point];
+      if (counts(&r->samples[i]) && point->sigma_px > 0 &&
+          (int)(fmod(point->meridian_deg, 180) * UNEVEN_SECTORS / 180) == k) {
+        work[n++] = point->sigma_px;
+      }
+    }
+    if (!n) {
+      return 0;
+    }
+    double turn = 2 * M_PI * (k + 0.5) / UNEVEN_SECTORS;
+    double usual = log(placido_quantile(work, n, 0.5));
+    along += 2 * usual * cos(turn) / UNEVEN_SECTORS;
+    across += 2 * usual * sin(turn) / UNEVEN_SECTORS;
+  }
+  return hypot(along, across);
+}
+
+/* The pulls of the blur at a point, in sigmas of the point; `long_px2` that of a blur longer one
+ * way.
+ */
+static void find_pulls(double pulls[PULLS], const placido_refinement *r, const placido_mires *mires,
+                       double long_px2, size_t i) {
   const placido_sample *s = &r->samples[i];
   const placido_mire_point *point = &mires->points[s->point];
-  double du = point->u_px - mires->centre_u_px, dv = point->v_px - mires->centre_v_px;
-  double round = 1 / fmax(hypot(du, dv), 1), bow = curvature_at(r, mires, i);
-  double turn = point->meridian_deg * M_PI / 90, unit = s->noise * r->sigma_px;
-  const double pulls[PULLS] = {PULL_PX2 * round, PULL_LONG_PX2 * round * cos(turn),
-                               PULL_LONG_PX2 * round * sin(turn),
-                               bow != 0 ? PULL_CURVED_PX2 * (bow - round) : 0};
+  double d[2] = {point->u_px - mires->centre_u_px, point->v_px - mires->centre_v_px};
+  double square = fmax(d[0] * d[0] + d[1] * d[1], 1), round = 1 / sqrt(square);
+  double bow = curvature_at(r, mires, i), unit = s->noise * r->sigma_px;
+  /* cosine and sine of twice the meridian */
+  double along = (d[0] * d[0] - d[1] * d[1]) / square, across = -2 * d[0] * d[1] / square;
+  pulls[0] = (PULL_PX2 + PULL_NOISE_PX * r->sigma_px) * round / unit;
+  pulls[1] = long_px2 * round * along / unit;
+  pulls[2] = long_px2 * round * across / unit;
+  pulls[3] = bow != 0 ? PULL_CURVED_PX2 * (bow - round) / unit : 0;
+}
+
+/* The waves over the edges times their standard deviation, from what each edge does on its own. */
+static void push_waves(double *rights, const double *by_edge, const double *variance, int edges,
+                       int waves, size_t n) {
   for (int m = 0; m < waves; m++) {
-    errors[m] = edge_waves[point->edge * waves + m] / s->noise;
-  }
-  for (int m = 0; m < PULLS; m++) {
-    errors[waves + m] = pulls[m] / unit;
+    for (int k = 0; k < edges; k++) {
+      const double *own = by_edge + (size_t)k * n;
+      double amount = sqrt(variance[k]) * wave(m, k, edges), *right = rights + (size_t)m * n;
+      for (size_t i = 0; i < n; i++) {
+        right[i] += amount * own[i];
+      }
+    }
   }
 }
 
-/* JᵀW applied to the common errors: all right-hand sides. */
+/* JᵀW applied to what is common to whole edges: all right-hand sides. */
 static int push(double *rights, const placido_refinement *r, const placido_mires *mires,
                 const double *variance, int waves, placido_error *err) {
-  double edge_waves[PLACIDO_EDGES_MAX * WAVES_MOST];
-  size_t columns = (size_t)(waves + PULLS);
-  double *errors = placido_memory_new(r->count, columns * sizeof *errors, err);
-  if (!errors) {
-    return PLACIDO_MEMORY;
-  }
-  for (int k = 0; k < mires->edge_count * waves; k++) {
-    edge_waves[k] = sqrt(variance[k / waves]) * wave(k % waves, k / waves, mires->edge_count);
-  }
-  for (size_t i = 0; i < r->count; i++) {
-    if (counts(&r->samples[i])) {
-      common_errors(errors + i * columns, r, mires, edge_waves, i, waves);
+  size_t n = (size_t)r->shape.grid->side * (size_t)r->shape.grid->side;
+  size_t edges = (size_t)mires->edge_count;
+  double *own = placido_memory_new((edges + PULLS) * n, sizeof *own, err);
+  double *pulls = placido_memory_new(r->count, PULLS * sizeof *pulls, err);
+  int status = own && pulls ? PLACIDO_OK : PLACIDO_MEMORY;
+  if (!status) {
+    double long_px2 = PULL_LONG_PX2 + PULL_LONGER_PX2 * unevenness(r, mires, pulls);
+    memset(pulls, 0, r->count * sizeof *pulls);
+    for (size_t i = 0; i < r->count; i++) {
+      if (counts(&r->samples[i])) {
+        find_pulls(pulls + i * PULLS, r, mires, long_px2, i);
+      }
     }
+    placido_refinement_push(own, r, mires, pulls, PULLS);
+    push_waves(rights, own, variance, mires->edge_count, waves, n);
+    memcpy(rights + (size_t)waves * n, own + edges * n, PULLS * n * sizeof *own);
   }
-  placido_refinement_push(rights, r, errors, (int)columns);
-  placido_memory_free(errors);
-  return PLACIDO_OK;
+  placido_memory_free(own);
+  placido_memory_free(pulls);
+  return status;
 }
 
 /* The variance of the common error of each edge: what the means of the edges about it show, robust,
  * more by what the surface has followed of them and less by what points' noise makes of means. */
 static void find_common(double *variance, const arc *edges, int edge_count, double followed) {
+  double work[PLACIDO_EDGES_MAX];
   for (int k = 0; k < edge_count; k++) {
     double squares[2 * COMMON_EDGES + 1], noise = 0;
     size_t n = 0;
@@ -249,6 +301,12 @@ static void find_common(double *variance, const arc *edges, int edge_count, doub
     /* the median of a chi square of one degree of freedom is 0.455 */
     double median = n ? placido_quantile(squares, n, 0.5) / 0.455 : 0;
     variance[k] = n ? fmax(0, median / (1 - followed) - noise / (double)n) : 0;
+  }
+  /* where a few edges are off by far more it is a spline that cannot follow, which is local */
+  memcpy(work, variance, (size_t)edge_count * sizeof *work);
+  double most = COMMON_MOST * placido_quantile(work, (size_t)edge_count, 0.5);
+  for (int k = 0; k < edge_count; k++) {
+    variance[k] = fmin(variance[k], most);
   }
 }
 

@@ -11,7 +11,7 @@
 typedef struct placido_scatter {
   double *spread; /* one factor a coefficient, from the points about its place */
   int steps;
-  double *step;   /* step by step, all coefficients */
+  double *step; /* step by step, all coefficients */
 } placido_scatter;
 
 /* From a refinement's end. `residual_px` are the samples' residuals less what other causes explain,

@@ -13,31 +13,6 @@ static size_t unknowns(const placido_fit *fit) {
   return (size_t)fit->grid.side * (size_t)fit->grid.side;
 }
 
-int placido_fit_variants_draw(placido_fit *fit, placido_error *err) {
-  const placido_scatter *scatter = &fit->scatter;
-  size_t n = unknowns(fit), numbers = n * PLACIDO_NOISE_VARIANTS;
-  double scale = sqrt(1.0 / PLACIDO_NOISE_VARIANTS);
-  double *draws = fit->draws = placido_memory_new(numbers, sizeof *draws, err);
-  if (!draws) {
-    return PLACIDO_MEMORY;
-  }
-  for (size_t i = 0; i < numbers; i++) {
-    draws[i] = scale * placido_random_normal(SEED, i / n, i % n);
-  }
-  int status = placido_normal_draw(fit->normal, draws, PLACIDO_NOISE_VARIANTS, draws, err);
-  for (size_t i = 0; i < numbers && !status; i++) {
-    draws[i] *= scatter->spread[i % n];
-  }
-  for (int k = 0; k < PLACIDO_NOISE_VARIANTS * scatter->steps && !status; k++) {
-    size_t draw = (size_t)(k / scatter->steps), step = (size_t)(k % scatter->steps);
-    double amount = scale * placido_random_normal(SEED, PLACIDO_NOISE_VARIANTS + draw, step);
-    for (size_t i = 0; i < n; i++) {
-      draws[draw * n + i] += amount * scatter->step[step * n + i];
-    }
-  }
-  return status;
-}
-
 int placido_fit_variant_count(const placido_fit *fit) {
   return PLACIDO_NOISE_VARIANTS + 1 + fit->mode_count;
 }
@@ -49,17 +24,49 @@ enum placido_sigma_source placido_fit_variant_source(const placido_fit *fit, int
                                              : PLACIDO_SIGMA_GEOMETRY;
 }
 
-/* The variant's step of the coefficients is this times its factor, in mm of z. */
-static const double *step_of(const placido_fit *fit, int variant, double *factor) {
-  *factor = 1;
+/* One draw of the noise, of PLACIDO_NOISE_VARIANTS: with the factor of the normal equations, which
+ * the scatter makes larger here and smaller there, and what whole edges have in common. */
+static int draw(double *step, const placido_fit *fit, int variant, placido_error *err) {
+  const placido_scatter *scatter = &fit->scatter;
+  size_t n = unknowns(fit);
+  uint64_t stream = (uint64_t)variant;
+  double scale = sqrt(1.0 / PLACIDO_NOISE_VARIANTS);
+  for (size_t i = 0; i < n; i++) {
+    step[i] = scale * placido_random_normal(SEED, stream, i);
+  }
+  int status = placido_normal_draw(fit->normal, step, 1, step, err);
+  for (size_t i = 0; i < n && !status; i++) {
+    step[i] *= scatter->spread[i];
+  }
+  for (int k = 0; k < scatter->steps && !status; k++) {
+    const double *common = scatter->step + (size_t)k * n;
+    double amount =
+        scale * placido_random_normal(SEED, PLACIDO_NOISE_VARIANTS + stream, (uint64_t)k);
+    for (size_t i = 0; i < n; i++) {
+      step[i] += amount * common[i];
+    }
+  }
+  return status;
+}
+
+static void copy(double *step, const placido_fit *fit, const double *from, double factor) {
+  for (size_t i = 0; i < unknowns(fit); i++) {
+    step[i] = factor * from[i];
+  }
+}
+
+/* The variant's step of the coefficients, in mm of z. */
+static int step_of(double *step, const placido_fit *fit, int variant, placido_error *err) {
   switch (placido_fit_variant_source(fit, variant)) {
   case PLACIDO_SIGMA_NOISE:
-    return fit->draws + (size_t)variant * unknowns(fit);
+    return draw(step, fit, variant, err);
   case PLACIDO_SIGMA_DISTANCE:
-    *factor = fit->axis_z_sigma_mm;
-    return fit->by_distance;
+    copy(step, fit, fit->by_distance, fit->axis_z_sigma_mm);
+    return PLACIDO_OK;
   default:
-    return fit->modes + (size_t)(variant - PLACIDO_NOISE_VARIANTS - 1) * unknowns(fit);
+    copy(step, fit,
+         fit->modes + (size_t)(variant - PLACIDO_NOISE_VARIANTS - 1) * unknowns(fit), 1);
+    return PLACIDO_OK;
   }
 }
 
@@ -67,15 +74,14 @@ int placido_fit_variant(placido_surface **surface, const placido_fit *fit, int v
                         placido_error *err) {
   *surface = NULL;
   size_t n = unknowns(fit);
-  double factor, *change = placido_memory_new(n, sizeof *change, err);
-  if (!change) {
-    return PLACIDO_MEMORY;
+  double *change = placido_memory_new(n, sizeof *change, err);
+  int status = change ? step_of(change, fit, variant, err) : PLACIDO_MEMORY;
+  for (size_t i = 0; i < n && !status; i++) {
+    change[i] = -change[i]; /* the file holds sags */
   }
-  const double *step = step_of(fit, variant, &factor);
-  for (size_t i = 0; i < n; i++) {
-    change[i] = -factor * step[i]; /* the file holds sags */
+  if (!status) {
+    status = placido_surface_bend(surface, fit->surface, change, err);
   }
-  int status = placido_surface_bend(surface, fit->surface, change, err);
   placido_memory_free(change);
   return status;
 }

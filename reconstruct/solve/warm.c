@@ -1,5 +1,5 @@
-/* The earlier spline is taken over as it stands: knots are multiples of their spacing from the axis,
- * so that a wider or narrower square has the same ones. */
+/* The earlier spline is taken over as it stands: knots are multiples of their spacing from the
+ * axis, so that a wider or narrower square has the same ones. */
 #include "reconstruct/solve/warm.h"
 
 #include "base/memory.h"

@@ -1,6 +1,7 @@
 /* Biconic: a conic of its own radius and asphericity along each of two perpendicular meridians.
  * Sag as in docs/formats.md; the derivatives are of f = n / (1 + w), n = c1 u² + c2 v²,
  * w² = 1 - (1 + q1) c1² u² - (1 + q2) c2² v². */
+#include "base/dispatch.h"
 #include "base/memory.h"
 #include "reconstruct/surface/jet.h"
 #include "reconstruct/surface/part.h"
@@ -86,6 +87,27 @@ static bool add(const void *state, double x_mm, double y_mm, placido_jet *jet) {
   return true;
 }
 
+/* The same for a line, without second derivatives. */
+PLACIDO_WIDE
+static void add_line(const void *state, const void *columns, const placido_line *line) {
+  (void)columns;
+  const struct biconic b = *(const struct biconic *)state;
+  const double *restrict x_mm = line->x_mm;
+  double *restrict sag = line->sag, *restrict sx = line->sx, *restrict sy = line->sy;
+  double y = line->y_mm - b.cy;
+  for (size_t i = 0; i < line->count; i++) {
+    double x = x_mm[i] - b.cx;
+    double u = b.turn.c * x + b.turn.s * y, v = b.turn.c * y - b.turn.s * x;
+    double root = 1 - b.k1 * u * u - b.k2 * v * v;
+    double w = root > 0 ? sqrt(root) : NAN, d = 1 / (w * (1 + w)); /* of both quotients */
+    double f = (b.c1 * u * u + b.c2 * v * v) * w * d;
+    double fu = d * u * (2 * b.c1 * w + f * b.k1), fv = d * v * (2 * b.c2 * w + f * b.k2);
+    sag[i] += f;
+    sx[i] += b.turn.c * fu - b.turn.s * fv;
+    sy[i] += b.turn.s * fu + b.turn.c * fv;
+  }
+}
+
 const placido_part_row placido_part_biconic = {
     .name = "biconic",
     .fields = fields,
@@ -94,4 +116,5 @@ const placido_part_row placido_part_biconic = {
     .prepare = prepare,
     .release = placido_memory_free,
     .add = add,
+    .add_line = add_line,
 };

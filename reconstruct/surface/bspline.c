@@ -4,8 +4,9 @@
  * Theory 6, 50-62, 1972), N_i,p = (x - k_i)/(k_i+p - k_i) N_i,p-1 + (k_i+p+1 - x)/(k_i+p+1 - k_i+1)
  * N_i+1,p-1, in the local coordinate t = (x - span's start)/(span's width). Evaluation is then
  * Horner's rule, with exact derivatives, and a table finds the span without a search. */
+#include "reconstruct/surface/bspline.h"
+
 #include "base/memory.h"
-#include "reconstruct/surface/jet.h"
 #include "reconstruct/surface/part.h"
 
 #include <math.h>
@@ -14,36 +15,13 @@
 #include <string.h>
 
 #define DEGREE_MIN 2
-#define DEGREE_MAX 5
-#define ORDER (DEGREE_MAX + 1)
+#define DEGREE_MAX (PLACIDO_BSPLINE_ORDER - 1)
 #define COUNT_MAX 1024    /* coefficients along one axis */
 #define BINS_PER_SPAN 2   /* of the table that finds the span */
 #define WIDTH_MIN_MM 1e-6 /* of a knot span that is not empty */
-#define EDGE_MM 1e-12     /* tolerance outside the last knot */
 
 static const char *const other_keys[] = {"degree", "knots_x_mm", "knots_y_mm", "coefficients_mm",
                                          NULL};
-
-/* The basis functions that are not zero in a span: coefficients [power of t][function]. */
-struct span {
-  double start, inverse_width;
-  double power[ORDER][ORDER];
-};
-
-struct axis {
-  int degree, count;  /* coefficients */
-  double *knots;      /* count + degree + 1 */
-  double first, last; /* where the spline is defined */
-  struct span *spans; /* count - degree, in the order of the knots; empty ones are not used */
-  int bins;
-  double bins_per_mm;
-  int *bin_span; /* the span at each bin's start */
-};
-
-struct bspline {
-  struct axis x, y;
-  double *coefficients; /* y.count * x.count, y outer */
-};
 
 /* A knot may be repeated degree times, at either end once more: then the sag has no step. */
 static bool check_knots(const char *field, const double *knots, int count, int degree,
@@ -102,21 +80,21 @@ static bool check(const placido_part *part, placido_complaint *complaint) {
   return true;
 }
 
-/* target += source * (constant + linear t), polynomials of ORDER coefficients; source has a degree
- * below ORDER - 1. */
+/* target += source * (constant + linear t), polynomials of PLACIDO_BSPLINE_ORDER coefficients; source has a degree
+ * below PLACIDO_BSPLINE_ORDER - 1. */
 static void add_times_linear(double *target, const double *source, double constant, double linear) {
-  for (int k = 0; k < ORDER; k++) {
+  for (int k = 0; k < PLACIDO_BSPLINE_ORDER; k++) {
     target[k] += constant * source[k] + (k > 0 ? linear * source[k - 1] : 0);
   }
 }
 
 /* The recurrence in the span from knot j to j + 1, in which functions j - degree to j are not zero.
  */
-static void expand(struct span *span, const double *knots, int j, int degree) {
+static void expand(placido_bspline_span *span, const double *knots, int j, int degree) {
   double start = knots[j], width = knots[j + 1] - start;
-  double now[ORDER][ORDER] = {{1}}; /* [function][power of t] */
+  double now[PLACIDO_BSPLINE_ORDER][PLACIDO_BSPLINE_ORDER] = {{1}}; /* [function][power of t] */
   for (int d = 1; d <= degree; d++) {
-    double next[ORDER][ORDER] = {{0}};
+    double next[PLACIDO_BSPLINE_ORDER][PLACIDO_BSPLINE_ORDER] = {{0}};
     for (int b = 0; b <= d; b++) {
       const double *k = knots + (j - d + b);
       if (b > 0) {
@@ -132,15 +110,15 @@ static void expand(struct span *span, const double *knots, int j, int degree) {
   }
   span->start = start;
   span->inverse_width = 1 / width;
-  for (int b = 0; b < ORDER; b++) {
-    for (int k = 0; k < ORDER; k++) {
+  for (int b = 0; b < PLACIDO_BSPLINE_ORDER; b++) {
+    for (int k = 0; k < PLACIDO_BSPLINE_ORDER; k++) {
       span->power[k][b] = now[b][k];
     }
   }
 }
 
 /* The spans from the knot `degree`; walks over empty ones. */
-static int walk_to_span(const struct axis *axis, double x, int span) {
+static int walk_to_span(const placido_bspline_axis *axis, double x, int span) {
   const double *end = axis->knots + axis->degree + 1;
   int last = axis->count - axis->degree - 1;
   while (span < last && x >= end[span]) {
@@ -149,7 +127,7 @@ static int walk_to_span(const struct axis *axis, double x, int span) {
   return span;
 }
 
-static void fill_bins(struct axis *axis) {
+static void fill_bins(placido_bspline_axis *axis) {
   int span = 0;
   for (int bin = 0; bin < axis->bins; bin++) {
     span = walk_to_span(axis, axis->first + bin / axis->bins_per_mm, span);
@@ -157,13 +135,13 @@ static void fill_bins(struct axis *axis) {
   }
 }
 
-static void free_axis(struct axis *axis) {
+static void free_axis(placido_bspline_axis *axis) {
   placido_memory_free(axis->knots);
   placido_memory_free(axis->spans);
   placido_memory_free(axis->bin_span);
 }
 
-static int make_axis(struct axis *axis, const double *knots, int count, int degree,
+static int make_axis(placido_bspline_axis *axis, const double *knots, int count, int degree,
                      placido_error *err) {
   int spans = count - degree;
   size_t knot_count = (size_t)(count + degree + 1);
@@ -190,7 +168,7 @@ static int make_axis(struct axis *axis, const double *knots, int count, int degr
 }
 
 static void release(void *state) {
-  struct bspline *b = state;
+  placido_bspline *b = state;
   if (b) {
     free_axis(&b->x);
     free_axis(&b->y);
@@ -203,7 +181,7 @@ static int prepare(void **state, placido_part *part, placido_error *err) {
   int columns = part->as.bspline.columns, rows = part->as.bspline.rows;
   int degree = part->as.bspline.degree;
   size_t count = (size_t)columns * (size_t)rows;
-  struct bspline *b = placido_memory_new(1, sizeof *b, err);
+  placido_bspline *b = placido_memory_new(1, sizeof *b, err);
   *state = b;
   if (!b) {
     return PLACIDO_MEMORY;
@@ -228,8 +206,7 @@ static int prepare(void **state, placido_part *part, placido_error *err) {
   return PLACIDO_OK;
 }
 
-/* The basis functions at x: values, first and second derivatives. Returns the span. */
-static int evaluate(const struct axis *axis, double x, double basis[3][ORDER]) {
+int placido_bspline_evaluate(const placido_bspline_axis *axis, double x, double basis[3][PLACIDO_BSPLINE_ORDER]) {
   int bin = (int)((x - axis->first) * axis->bins_per_mm);
   bin = bin < 0 ? 0 : bin >= axis->bins ? axis->bins - 1 : bin;
   int index = axis->bin_span[bin];
@@ -237,17 +214,17 @@ static int evaluate(const struct axis *axis, double x, double basis[3][ORDER]) {
     index--;
   }
   index = walk_to_span(axis, x, index);
-  const struct span *span = &axis->spans[index];
+  const placido_bspline_span *span = &axis->spans[index];
   double per_mm = span->inverse_width, t = (x - span->start) * per_mm;
-  double f[ORDER] = {0}, first[ORDER] = {0}, half_second[ORDER] = {0};
-  for (int k = ORDER - 1; k >= 0; k--) {
-    for (int b = 0; b < ORDER; b++) {
+  double f[PLACIDO_BSPLINE_ORDER] = {0}, first[PLACIDO_BSPLINE_ORDER] = {0}, half_second[PLACIDO_BSPLINE_ORDER] = {0};
+  for (int k = PLACIDO_BSPLINE_ORDER - 1; k >= 0; k--) {
+    for (int b = 0; b < PLACIDO_BSPLINE_ORDER; b++) {
       half_second[b] = half_second[b] * t + first[b];
       first[b] = first[b] * t + f[b];
       f[b] = f[b] * t + span->power[k][b];
     }
   }
-  for (int b = 0; b < ORDER; b++) {
+  for (int b = 0; b < PLACIDO_BSPLINE_ORDER; b++) {
     basis[0][b] = f[b];
     basis[1][b] = first[b] * per_mm;
     basis[2][b] = 2 * half_second[b] * per_mm * per_mm;
@@ -256,13 +233,13 @@ static int evaluate(const struct axis *axis, double x, double basis[3][ORDER]) {
 }
 
 static bool add(const void *state, double x_mm, double y_mm, placido_jet *jet) {
-  const struct bspline *b = state;
-  if (!(x_mm >= b->x.first - EDGE_MM && x_mm <= b->x.last + EDGE_MM &&
-        y_mm >= b->y.first - EDGE_MM && y_mm <= b->y.last + EDGE_MM)) {
+  const placido_bspline *b = state;
+  if (!placido_bspline_reaches(&b->x, x_mm) || !placido_bspline_reaches(&b->y, y_mm)) {
     return false;
   }
-  double along_x[3][ORDER], along_y[3][ORDER];
-  int column = evaluate(&b->x, x_mm, along_x), row = evaluate(&b->y, y_mm, along_y);
+  double along_x[3][PLACIDO_BSPLINE_ORDER], along_y[3][PLACIDO_BSPLINE_ORDER];
+  int column = placido_bspline_evaluate(&b->x, x_mm, along_x);
+  int row = placido_bspline_evaluate(&b->y, y_mm, along_y);
   const double *line = b->coefficients + (size_t)row * (size_t)b->x.count + column;
   for (int i = 0; i <= b->y.degree; i++, line += b->x.count) {
     double f = 0, first = 0, second = 0;
@@ -370,6 +347,8 @@ const placido_part_row placido_part_bspline = {
     .prepare = prepare,
     .release = release,
     .add = add,
+    .add_line = placido_bspline_add_line,
+    .make_columns = placido_bspline_columns_new,
     .read = read,
     .write = write,
 };

@@ -24,6 +24,15 @@ typedef struct placido_part_field {
   size_t fallback_offset; /* of that other field, which stands before this one; 0: none */
 } placido_part_field;
 
+/* Points of one height: from number `first` of a sheet's columns on. */
+typedef struct placido_line {
+  const double *x_mm; /* of the first */
+  double y_mm;
+  size_t first, count;
+  double *work;          /* as many numbers as the part has asked for */
+  double *sag, *sx, *sy; /* what the part adds to */
+} placido_line;
+
 /* One kind of part. */
 typedef struct placido_part_row {
   const char *name; /* its "kind" in files */
@@ -41,6 +50,14 @@ typedef struct placido_part_row {
 
   /* Adds the part's jet at (x, y); false where the part is not defined. */
   bool (*add)(const void *state, double x_mm, double y_mm, placido_jet *jet);
+
+  /* Adds sag and slopes along a line, NaN where the part is not defined. NULL: `add` will do. */
+  void (*add_line)(const void *state, const void *columns, const placido_line *line);
+
+  /* What add_line needs for every x of a sheet, `*columns`, one block; and how many numbers it has
+   * to work in. NULL where it needs nothing. */
+  int (*make_columns)(void **columns, size_t *work, const void *state, const double *x_mm,
+                      size_t count, placido_error *err);
 
   /* What is not a field, from and to a file; both or neither. `*storage` gets the block that the
    * part's arrays point into; the caller frees it with placido_memory_free, whatever the status. */

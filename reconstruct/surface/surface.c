@@ -6,8 +6,6 @@
 
 #include <math.h>
 
-#define EDGE_MM 1e-12 /* a point this far outside the radius still lies within */
-
 static int refuse(placido_error *err, const char *field, double value, const char *expected) {
   return placido_error_set(err, PLACIDO_INPUT, "surface: %s is %g, %s is expected", field, value,
                            expected);
@@ -96,7 +94,7 @@ double placido_surface_radius_mm(const placido_surface *surface) {
 }
 
 static bool is_inside(const placido_surface *surface, double x_mm, double y_mm) {
-  double limit = surface->radius_mm + EDGE_MM;
+  double limit = surface->radius_mm + PLACIDO_SURFACE_EDGE_MM;
   return x_mm * x_mm + y_mm * y_mm <= limit * limit;
 }
 

@@ -6,6 +6,7 @@
 
 #define PLACIDO_SURFACE_PARTS_MAX 256
 #define PLACIDO_SURFACE_RADIUS_MAX_MM 20.0
+#define PLACIDO_SURFACE_EDGE_MM 1e-12 /* a point this far outside the radius still lies within */
 
 typedef struct placido_surface_term {
   placido_part part; /* its arrays belong to `state` */

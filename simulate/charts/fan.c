@@ -21,6 +21,9 @@ void placido_draw_spokes(placido_image *image, double arcmin_per_px, double x_ar
   }
 }
 
-void placido_draw_fan(placido_image *image, double arcmin_per_px) {
+void placido_draw_fan(placido_image *image, double arcmin_per_px, const placido_chart *chart,
+                      const placido_chart_lines *lines) {
+  (void)chart;
+  (void)lines;
   placido_draw_spokes(image, arcmin_per_px, 105, 105, 90);
 }

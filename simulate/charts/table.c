@@ -1,15 +1,22 @@
 /* The generated charts: one row each. */
 #include "simulate/charts/chart.h"
+#include "simulate/charts/logmar.h"
 
-#include <placido/simulate.h>
+#include <placido/scene.h>
 
 #include <math.h>
 #include <string.h>
 
 static const placido_chart charts[] = {
-  {"tumbling-e", "tumbling E from 20/160 to 20/10 with an astigmatic fan", 280, 210,
-   placido_draw_tumbling_e},
-  {"fan", "astigmatic fan of 24 radial lines, 15 degrees apart", 210, 210, placido_draw_fan},
+  {"tumbling-e", "tumbling E from 20/160 to 20/10 with an astigmatic fan", 280, 210, 1,
+   PLACIDO_OPTOTYPE_E, placido_draw_tumbling_e},
+  {"fan", "astigmatic fan of 24 radial lines, 15 degrees apart", 210, 210, 1, PLACIDO_OPTOTYPE_E,
+   placido_draw_fan},
+  {"sloan", "Sloan letters in ETDRS lines, 1.0 to -0.3 logMAR", 0, 0, 1, PLACIDO_OPTOTYPE_SLOAN,
+   placido_logmar_draw},
+  {"landolt", "Landolt rings in ETDRS lines", 0, 0, 1, PLACIDO_OPTOTYPE_LANDOLT,
+   placido_logmar_draw},
+  {"e-lines", "tumbling E in ETDRS lines", 0, 0, 1, PLACIDO_OPTOTYPE_E, placido_logmar_draw},
 };
 
 const placido_chart *placido_chart_table(size_t *count) {
@@ -32,23 +39,55 @@ void placido_chart_list(void (*each)(void *user, const char *name, const char *h
   }
 }
 
-int placido_chart_new(placido_image *image, const placido_chart *chart, double arcmin_per_px,
-                      placido_error *err) {
+/* The size that is drawn, and the lines, of which `lines` may be none. */
+static int settle(double size_arcmin[2], placido_chart_lines *settled, const placido_chart *chart,
+                  const placido_chart_lines *lines, placido_error *err) {
+  bool in_lines = chart->draw == placido_logmar_draw;
+  *settled = lines != NULL ? *lines : placido_logmar_usual();
+  size_arcmin[0] = chart->width_arcmin;
+  size_arcmin[1] = chart->height_arcmin;
+  if (lines != NULL && !in_lines) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "chart %s: its lines are its own (sloan, landolt and e-lines take "
+                             "others)", chart->name);
+  }
+  int status = placido_logmar_check(settled, err);
+  if (status == PLACIDO_OK && in_lines) {
+    placido_logmar_measure(settled, &size_arcmin[0], &size_arcmin[1]);
+  }
+  return status;
+}
+
+int placido_chart_new(placido_image *image, const placido_chart *chart,
+                      const placido_chart_lines *lines, double arcmin_per_px, placido_error *err) {
+  const double side_max_px = 16000;
+  double size_arcmin[2];
+  placido_chart_lines settled;
   *image = (placido_image){0};
   if (!(arcmin_per_px >= 0.05 && arcmin_per_px <= 4)) {
     return placido_error_set(err, PLACIDO_INPUT,
                              "chart %s: %g arcmin per pixel, expected 0.05 to 4", chart->name,
                              arcmin_per_px);
   }
-  int status = placido_image_new(image, (int)ceil(chart->width_arcmin / arcmin_per_px),
-                                 (int)ceil(chart->height_arcmin / arcmin_per_px), 1, err);
+  int status = settle(size_arcmin, &settled, chart, lines, err);
   if (status != PLACIDO_OK) {
     return status;
   }
-  size_t pixels = (size_t)image->width_px * (size_t)image->height_px;
-  for (size_t i = 0; i < pixels; i++) {
+  double width = ceil(size_arcmin[0] / arcmin_per_px), height = ceil(size_arcmin[1] / arcmin_per_px);
+  if (width > side_max_px || height > side_max_px) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "chart %s: %.0f by %.0f pixels of %g' are too many, %g a side are "
+                             "possible (larger pixels, or a first line of smaller letters)",
+                             chart->name, width, height, arcmin_per_px, side_max_px);
+  }
+  status = placido_image_new(image, (int)width, (int)height, chart->planes, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  size_t samples = (size_t)image->width_px * (size_t)image->height_px * (size_t)image->planes;
+  for (size_t i = 0; i < samples; i++) {
     image->data[i] = 1;
   }
-  chart->draw(image, arcmin_per_px);
+  chart->draw(image, arcmin_per_px, chart, &settled);
   return PLACIDO_OK;
 }

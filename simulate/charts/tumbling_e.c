@@ -5,6 +5,7 @@
 #include "simulate/charts/paint.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* Heights double from line to line, 26' apart; all of it falls on whole pixels at half a minute.
  * The picture is 280' by 210' with margins of 14'. */
@@ -18,30 +19,10 @@ const placido_e_line *placido_e_lines(size_t *count) {
   return lines;
 }
 
-/* In units of the stroke, arms to the right: the back, then three arms. */
-static const struct {
-  double left, top, width, height;
-} strokes[] = {{0, 0, 1, 5}, {1, 0, 4, 1}, {1, 2, 4, 1}, {1, 4, 4, 1}};
-
-static void draw_e(placido_image *image, double arcmin_per_px, double left, double top,
-                   double height, char direction) {
-  double unit = height / 5;
-  for (size_t i = 0; i < sizeof strokes / sizeof *strokes; i++) {
-    double x = strokes[i].left, y = strokes[i].top, w = strokes[i].width, h = strokes[i].height;
-    if (direction == 'l' || direction == 'u') {
-      x = 5 - x - w;
-    }
-    if (direction == 'u' || direction == 'd') {
-      double swapped = x;
-      x = y;
-      y = swapped;
-      swapped = w;
-      w = h;
-      h = swapped;
-    }
-    placido_paint_rectangle(image, arcmin_per_px, left + x * unit, top + y * unit, w * unit,
-                            h * unit);
-  }
+/* Which optotype points there. */
+static int direction_of(char direction) {
+  const char *all = "ruld";
+  return (int)(strchr(all, direction) - all);
 }
 
 static void draw_line(placido_image *image, double arcmin_per_px, const placido_e_line *line) {
@@ -52,12 +33,17 @@ static void draw_line(placido_image *image, double arcmin_per_px, const placido_
                      line->top_arcmin + line->height_arcmin / 2 - 2.5 * cell_arcmin, cell_arcmin,
                      label);
   for (int i = 0; line->directions[i] != '\0'; i++) {
-    draw_e(image, arcmin_per_px, line->left_arcmin + i * line->pitch_arcmin, line->top_arcmin,
-           line->height_arcmin, line->directions[i]);
+    double half = line->height_arcmin / 2;
+    placido_optotype_draw(image, PLACIDO_OPTOTYPE_E, direction_of(line->directions[i]),
+                          line->height_arcmin, line->left_arcmin + half + i * line->pitch_arcmin,
+                          line->top_arcmin + half, arcmin_per_px);
   }
 }
 
-void placido_draw_tumbling_e(placido_image *image, double arcmin_per_px) {
+void placido_draw_tumbling_e(placido_image *image, double arcmin_per_px,
+                             const placido_chart *chart, const placido_chart_lines *lines_asked) {
+  (void)chart;
+  (void)lines_asked;
   for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
     draw_line(image, arcmin_per_px, &lines[i]);
   }

@@ -1,6 +1,7 @@
 /* The spline, the normal equations and the order statistics on their own. */
 #include "base/memory.h"
 #include "reconstruct/median.h"
+#include "reconstruct/solve/bundle.h"
 #include "reconstruct/solve/normal.h"
 #include "tests/support/near.h"
 
@@ -52,6 +53,93 @@ static void the_basis_sums_to_one_up_to_the_border(void **state) {
   }
   assert_false(placido_grid_basis(&grid, grid.half_mm * 1.0001, 0, &basis));
   assert_false(placido_grid_basis(&grid, NAN, 0, &basis));
+}
+
+/* A cell's polynomial is the spline in it. */
+static void the_cell_s_polynomial_is_the_spline(void **state) {
+  (void)state;
+  placido_grid grid = placido_grid_covering(2, 0.4);
+  double *c = calloc((size_t)(grid.side * grid.side), sizeof *c);
+  for (int i = 0; i < grid.side * grid.side; i++) {
+    c[i] = wave(i);
+  }
+  for (double at = -1.93; at < 2; at += 0.31) {
+    int column, row;
+    double x, y, polynomial[PLACIDO_SPLINE_CELL], value[6], sum = 0;
+    placido_basis basis;
+    assert_true(placido_grid_locate(&grid, at, 0.7 * at, &column, &row, &x, &y));
+    assert_true(placido_grid_basis(&grid, at, 0.7 * at, &basis));
+    assert_int_equal(basis.column, column);
+    assert_int_equal(basis.row, row);
+    placido_grid_value(&grid, c, &basis, value);
+    placido_grid_polynomial(&grid, c, column, row, polynomial);
+    for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
+      sum += polynomial[k] * pow(y, k / PLACIDO_SPLINE_ORDER) * pow(x, k % PLACIDO_SPLINE_ORDER);
+    }
+    assert_near(sum, value[0], 1e-14);
+  }
+  free(c);
+}
+
+/* Some rays onto a bowl, all around and beyond the spline. */
+static void make_samples(placido_sample *samples, size_t count, const placido_edge *edge) {
+  for (size_t i = 0; i < count; i++) {
+    double x = 2.4 * wave((int)i), y = 2.4 * wave((int)i + 500);
+    samples[i] = (placido_sample){.ray = {.origin = {x, y, 100},
+                                          .direction = {-0.002 * x, -0.001 * y, -1},
+                                          .direction_u = {1e-4, 0, 0},
+                                          .direction_v = {0, -1e-4, 0}},
+                                  .edge = edge,
+                                  .point = i,
+                                  .t = 100,
+                                  .used = true,
+                                  .noise = 1};
+  }
+}
+
+/* All rays at once find what each of them finds alone, and one that misses is no number. */
+static void a_bundle_is_its_rays(void **state) {
+  (void)state;
+  enum { COUNT = 300 };
+  static placido_sample together[COUNT], alone[COUNT];
+  const placido_edge edge = {.radius_mm = 20, .z_mm = 50};
+  const placido_conicoid base = {7.8, -0.2, 0.1, -0.1, 0};
+  const placido_part part = {.kind = PLACIDO_PART_BICONIC,
+                             .as.biconic = {7.8, -0.2, 7.8, -0.2, 0, 0.1, -0.1}};
+  placido_grid grid = placido_grid_covering(1.8, 0.4);
+  double *c = calloc((size_t)(grid.side * grid.side), sizeof *c);
+  for (int i = 0; i < grid.side * grid.side; i++) {
+    c[i] = 1e-3 * wave(i);
+  }
+  placido_surface *surface;
+  placido_bundle bundle;
+  assert_int_equal(placido_surface_new(&surface, 0, 9, &part, 1, NULL, NULL), PLACIDO_OK);
+  make_samples(together, COUNT, &edge);
+  make_samples(alone, COUNT, &edge);
+  assert_int_equal(placido_bundle_new(&bundle, together, COUNT, NULL), PLACIDO_OK);
+  assert_int_equal(placido_bundle_fit_grid(&bundle, &grid, NULL), PLACIDO_OK);
+  const placido_target target = {base, &grid, c};
+  const placido_shape shape = {surface, &grid, c};
+  placido_bundle_trace(&bundle, &target, 2);
+  placido_bundle_tell(&bundle);
+  placido_bundle_tell_all(&bundle, &target, 2);
+  size_t missed = 0;
+  for (size_t i = 0; i < COUNT; i++) {
+    placido_sample_trace(&alone[i], &shape);
+    assert_int_equal(isnan(together[i].residual_px), isnan(alone[i].residual_px));
+    missed += isnan(alone[i].residual_px);
+    if (!isnan(alone[i].residual_px)) {
+      /* px, where a picture's noise is 0.02; mm; and slopes, of which 1e-6 is noise */
+      assert_near(together[i].residual_px, alone[i].residual_px, 1e-5);
+      assert_near(together[i].hit.x, alone[i].hit.x, 1e-9);
+      assert_near(together[i].hit.p, alone[i].hit.p, 1e-8);
+      assert_near(together[i].miss.by_p, alone[i].miss.by_p, 1e-6 * fabs(alone[i].miss.by_p));
+    }
+  }
+  assert_true(missed > 0 && missed < COUNT / 2);
+  placido_bundle_free(&bundle);
+  placido_surface_free(surface);
+  free(c);
 }
 
 /* A cell's block from some rows, as the fit adds them. */
@@ -188,6 +276,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_spline_s_derivatives_agree_with_differences),
       cmocka_unit_test(the_basis_sums_to_one_up_to_the_border),
+      cmocka_unit_test(the_cell_s_polynomial_is_the_spline),
+      cmocka_unit_test(a_bundle_is_its_rays),
       cmocka_unit_test(the_selected_inverse_gives_the_variances),
       cmocka_unit_test(smoothing_leaves_quadratics_alone),
       cmocka_unit_test(nothing_known_is_refused),

@@ -6,7 +6,7 @@
 #include <placido/reconstruct.h>
 #include <stdlib.h>
 
-#define MERIDIANS 120
+#define MERIDIANS 60
 #define NOISE_PX 0.03
 #define STEP_MM 0.25 /* of the grid whose mean is the level that heights count from */
 #define LEVEL_MM 1.5
@@ -24,7 +24,8 @@ static placido_mires points_of(placido_instrument *instrument, double *axis_z_mm
   return mires;
 }
 
-/* A fit with noise alone, or with all three sources; the geometry is a focal length and two edges. */
+/* A fit with noise alone, or with all three sources; the geometry is a focal length and two edges.
+ */
 static placido_fit *fit_of(bool all) {
   placido_instrument instrument;
   placido_uncertainty geometry;
@@ -130,8 +131,8 @@ static void draws_have_the_noise_s_sigmas(void **state) {
   placido_fit_free(fit);
 }
 
-/* Distance and geometry are one step each, to first order exact; what a step of 0.05 mm bends beyond
- * that is some 1e-3 of it. */
+/* Distance and geometry are one step each, to first order exact; what a step of 0.05 mm bends
+ * beyond that is some 1e-3 of it. */
 static void steps_of_distance_and_geometry_are_exact(void **state) {
   (void)state;
   placido_fit *fit = fit_of(true);
@@ -157,7 +158,8 @@ static void steps_of_distance_and_geometry_are_exact(void **state) {
   placido_fit_free(fit);
 }
 
-/* The same fit on the same points has the same variants, by any number of threads: draws are keyed. */
+/* The same fit on the same points has the same variants, by any number of threads: draws are keyed.
+ */
 static void variants_are_the_same_every_time(void **state) {
   (void)state;
   placido_fit *fits[2] = {fit_of(true), fit_of(true)};

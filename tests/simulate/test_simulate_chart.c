@@ -12,7 +12,7 @@ static placido_image drawn(const char *name, double arcmin_per_px) {
   placido_image image;
   const placido_chart *chart = placido_chart_find(name);
   assert_non_null(chart);
-  assert_int_equal(placido_chart_new(&image, chart, arcmin_per_px, NULL), PLACIDO_OK);
+  assert_int_equal(placido_chart_new(&image, chart, NULL, arcmin_per_px, NULL), PLACIDO_OK);
   return image;
 }
 
@@ -181,8 +181,8 @@ static void test_chart_scales_are_bounded(void **state) {
   (void)state;
   placido_image image;
   const placido_chart *chart = placido_chart_find("fan");
-  assert_int_equal(placido_chart_new(&image, chart, 1e-9, NULL), PLACIDO_INPUT);
-  assert_int_equal(placido_chart_new(&image, chart, NAN, NULL), PLACIDO_INPUT);
+  assert_int_equal(placido_chart_new(&image, chart, NULL, 1e-9, NULL), PLACIDO_INPUT);
+  assert_int_equal(placido_chart_new(&image, chart, NULL, NAN, NULL), PLACIDO_INPUT);
   assert_null(placido_chart_find("no such chart"));
 }
 

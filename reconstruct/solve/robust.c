@@ -1,0 +1,71 @@
+/* The third stage of a fit: the noise of the points, outliers cut, folds refused. */
+#include "reconstruct/solve/noise.h"
+#include "reconstruct/solve/outliers.h"
+#include "reconstruct/solve/solution.h"
+
+#define CUT_MOST 0.3 /* share of the points: more means that the model is wrong, not the points */
+#define CUT_MANY 0.1 /* share that the user is told of */
+
+/* A fold leaves a small residual and a wrong surface; it shows in points that do not fit together
+ * with edges that cannot be numbered. Lashes give the one, a broken tear film the other. Where
+ * there is a hole in the middle of the map as well, fewer such points tell: lashes leave under 0.01
+ * of them, and holes that are open to the outside. */
+#define FOLD_CUT 0.06
+#define FOLD_CUT_HOLE 0.02
+#define FOLD_HOLE_MM2 0.5
+#define FOLD_STRAY 0.05
+
+static int refuse_fold(const placido_solution *p, placido_error *err) {
+  return placido_error_set(err, PLACIDO_QUALITY,
+                           "the mires contradict each other: %.0f %% of the edge points do not lie "
+                           "on any smooth cornea, and on %.0f %% of the meridians edges among them "
+                           "cannot be numbered, as where a cornea folds the mires",
+                           100 * p->cut, 100 * p->mires->stray);
+}
+
+/* Cuts the outliers and fits again until that changes nothing, at most twice. */
+int placido_solution_robust(placido_solution *p, placido_grid *grid, placido_notes *notes,
+                            placido_error *err) {
+  placido_refinement *r = &p->refinement;
+  size_t cut = 0;
+  bool changed = true;
+  int status = placido_solution_spline(p, grid, err);
+  if (!status && p->misfit > PLACIDO_MISFIT &&
+      (status = placido_solution_shift(p, err)) == PLACIDO_OK && p->shift) {
+    return PLACIDO_OK;
+  }
+  if (!status) {
+    status = placido_noise_find(p->samples, p->count, p->mires, err);
+  }
+  if (!status) {
+    placido_refinement_trace(r);
+  }
+  for (int pass = 0; pass < 2 && changed && !status; pass++) {
+    status = placido_outliers_cut(p->samples, p->count, r->work, &cut, &changed, err);
+    if (!status && (double)cut > CUT_MOST * (double)p->count) {
+      status = placido_error_set(err, PLACIDO_QUALITY,
+                                 "%.0f %% of the edge points do not lie on any smooth cornea "
+                                 "(limit %.0f %%)",
+                                 100.0 * (double)cut / (double)p->count, 100 * CUT_MOST);
+    }
+    if (!status) {
+      status = placido_refinement_run(r, pass ? PLACIDO_SETTLED : PLACIDO_SETTLED_ROUGHLY, err);
+    }
+  }
+  p->cut = (double)cut / (double)p->count;
+  if (!status && p->cut > FOLD_CUT && p->mires->stray > FOLD_STRAY) {
+    status = refuse_fold(p, err);
+  }
+  if (!status) {
+    status = placido_outliers_judge(p->samples, p->count, p->mires, r->work, notes, err);
+  }
+  if (!status && p->cut > CUT_MANY) {
+    placido_notes_add(notes, "%.0f %% of the edge points were set aside as outliers", 100 * p->cut);
+  }
+  return status;
+}
+
+int placido_solution_check_hole(const placido_solution *p, double hole_mm2, placido_error *err) {
+  bool fold = p->cut > FOLD_CUT_HOLE && p->mires->stray > FOLD_STRAY && hole_mm2 > FOLD_HOLE_MM2;
+  return fold ? refuse_fold(p, err) : PLACIDO_OK;
+}

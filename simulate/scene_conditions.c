@@ -1,0 +1,140 @@
+/* The conditions of a scene: light, distance, tolerance. */
+#include "base/file.h"
+#include "simulate/scene_file.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double usual_tolerance = 0.01;
+
+/* Conditions that the geometric simulation does not follow. */
+static const char *const idle_keys[] = {"luminance_cd_m2", "depth", "spectrum"};
+
+static const struct {
+  const char *name;
+  enum placido_spectrum spectrum;
+} spectra[] = {
+  {"display-srgb", PLACIDO_SPECTRUM_DISPLAY_SRGB},
+  {"equal-energy", PLACIDO_SPECTRUM_EQUAL_ENERGY},
+  {"daylight", PLACIDO_SPECTRUM_DAYLIGHT},
+  {"incandescent", PLACIDO_SPECTRUM_INCANDESCENT},
+};
+
+placido_conditions placido_conditions_usual(void) {
+  return (placido_conditions){.luminance_cd_m2 = NAN,
+                              .distance_m = INFINITY,
+                              .spectrum = PLACIDO_SPECTRUM_DISPLAY_SRGB,
+                              .wavelength_nm = NAN,
+                              .tolerance = usual_tolerance};
+}
+
+/* A number from min to max, or what `value` is already where the field is missing. */
+static int read_range(const placido_json *json, const char *field, double min, double max,
+                      double *value, placido_error *err) {
+  double read;
+  if (placido_json_find(json, field) == NULL) {
+    return PLACIDO_OK;
+  }
+  int status = placido_json_number(json, field, &read, err);
+  if (status == PLACIDO_OK && !(read >= min && read <= max)) {
+    status = placido_json_refuse(json, field, err, "%g, expected %g to %g", read, min, max);
+  }
+  if (status == PLACIDO_OK) {
+    *value = read;
+  }
+  return status;
+}
+
+static int read_distance(placido_conditions *conditions, const placido_json *json,
+                         placido_error *err) {
+  const char *text = json_string_value(placido_json_find(json, "distance_m"));
+  if (text == NULL) {
+    return read_range(json, "distance_m", 0.01, 1e9, &conditions->distance_m, err);
+  }
+  if (strcmp(text, "infinity") != 0) {
+    return placido_json_refuse(json, "distance_m", err,
+                               "\"%s\", expected metres or \"infinity\"", text);
+  }
+  conditions->distance_m = INFINITY;
+  return PLACIDO_OK;
+}
+
+static int read_spectrum(placido_conditions *conditions, const placido_json *json,
+                         placido_error *err) {
+  const json_t *value = placido_json_find(json, "spectrum");
+  const char *text = json_string_value(value);
+  if (json_is_number(value)) {
+    conditions->spectrum = PLACIDO_SPECTRUM_LINE;
+    return read_range(json, "spectrum", 380, 780, &conditions->wavelength_nm, err);
+  }
+  for (size_t i = 0; text != NULL && i < sizeof spectra / sizeof *spectra; i++) {
+    if (strcmp(text, spectra[i].name) == 0) {
+      conditions->spectrum = spectra[i].spectrum;
+      return PLACIDO_OK;
+    }
+  }
+  return value == NULL ? PLACIDO_OK
+                       : placido_json_refuse(json, "spectrum", err,
+                                             "expected display-srgb, equal-energy, daylight, "
+                                             "incandescent or a wavelength in nm");
+}
+
+/* The file is not read here, but a name that leads nowhere is told at once. */
+static int read_depth(placido_conditions *conditions, const placido_json *json, const char *path,
+                      placido_error *err) {
+  char name[sizeof conditions->depth_path], whole[PLACIDO_PATH_MAX];
+  if (placido_json_find(json, "depth") == NULL) {
+    return PLACIDO_OK;
+  }
+  int status = placido_json_string(json, "depth", name, sizeof name, err);
+  if (status == PLACIDO_OK) {
+    status = placido_scene_beside(whole, path, name, err);
+  }
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  FILE *file = fopen(whole, "rb");
+  if (file == NULL) {
+    return placido_error_set(err, PLACIDO_SYSTEM, "cannot read the depth %s: %s", name,
+                             strerror(errno));
+  }
+  fclose(file);
+  if (strlen(whole) >= sizeof conditions->depth_path) {
+    return placido_error_set(err, PLACIDO_INPUT, "a path of %zu bytes is too long", strlen(whole));
+  }
+  memcpy(conditions->depth_path, whole, strlen(whole) + 1);
+  return PLACIDO_OK;
+}
+
+int placido_conditions_read(placido_conditions *conditions, const placido_json *json,
+                            const char *path, placido_error *err) {
+  *conditions = placido_conditions_usual();
+  int status = read_range(json, "luminance_cd_m2", 1e-6, 1e6, &conditions->luminance_cd_m2, err);
+  if (status == PLACIDO_OK) {
+    status = read_distance(conditions, json, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = read_spectrum(conditions, json, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = read_range(json, "tolerance", 1e-6, 1, &conditions->tolerance, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = read_depth(conditions, json, path, err);
+  }
+  return status;
+}
+
+void placido_conditions_tell(const placido_json *json, const char *name, placido_notes *notes) {
+  for (size_t i = 0; i < sizeof idle_keys / sizeof *idle_keys; i++) {
+    if (placido_json_find(json, idle_keys[i]) != NULL) {
+      placido_notes_add(notes, "scene %s: %s has no effect in this build", name, idle_keys[i]);
+    }
+  }
+  if (json_is_number(placido_json_find(json, "distance_m"))) {
+    placido_notes_add(notes, "scene %s: distance_m has no effect in this build, everything is "
+                      "seen at infinity", name);
+  }
+}
