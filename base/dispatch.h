@@ -1,13 +1,13 @@
-/* Loops over numbers that gain from wide vectors are compiled twice, and the processor chooses when
- * the program starts. Results are the same: every number is computed alone and in the same order,
- * and C11's strict mode contracts no products into sums. */
+/* Loops over numbers that gain from wide vectors are compiled for several widths, and the processor
+ * chooses when the program starts. Results are the same: every number is computed alone and in the
+ * same order, and C11's strict mode contracts no products into sums. */
 #ifndef PLACIDO_BASE_DISPATCH_H
 #define PLACIDO_BASE_DISPATCH_H
 
 /* Other compilers, and the sanitizers, which come up after the choice is made, do without. */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define PLACIDO_WIDE __attribute__((target_clones("avx2", "default")))
+#define PLACIDO_WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define PLACIDO_WIDE
 #endif

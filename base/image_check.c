@@ -108,6 +108,34 @@ static int check_jpeg(placido_image_kind *kind, const unsigned char *bytes, size
   return refuse(name, "the JPEG file is cut off or damaged", err);
 }
 
+static size_t tiff_number(const unsigned char *bytes, size_t width, bool little) {
+  size_t number = 0;
+  for (size_t i = 0; i < width; i++) {
+    number = number << 8 | bytes[little ? width - 1 - i : i];
+  }
+  return number;
+}
+
+/* Whether the first directory says that the extra sample is associated alpha: tag 338, value 1. */
+static bool tiff_multiplied(const unsigned char *bytes, size_t size, size_t directory,
+                            bool little) {
+  const size_t extra_samples = 338, associated = 1, entry_bytes = 12;
+  if (directory > size - 2) {
+    return false;
+  }
+  size_t count = tiff_number(bytes + directory, 2, little);
+  for (size_t i = 0; i < count; i++) {
+    size_t at = directory + 2 + i * entry_bytes;
+    if (at + entry_bytes > size) {
+      return false;
+    }
+    if (tiff_number(bytes + at, 2, little) == extra_samples) {
+      return tiff_number(bytes + at + 8, 2, little) == associated;
+    }
+  }
+  return false;
+}
+
 static int check_tiff(placido_image_kind *kind, const unsigned char *bytes, size_t size,
                       const char *name, placido_error *err) {
   kind->keeps_own_orientation = true;
@@ -115,10 +143,9 @@ static int check_tiff(placido_image_kind *kind, const unsigned char *bytes, size
     return refuse(name, "the TIFF file is cut off", err);
   }
   bool little = bytes[0] == 'I';
-  size_t directory = little ? (size_t)bytes[7] << 24 | (size_t)bytes[6] << 16 |
-                                  (size_t)bytes[5] << 8 | bytes[4]
-                            : big_endian(bytes + 4);
+  size_t directory = tiff_number(bytes + 4, 4, little);
   bool classic = bytes[little ? 2 : 3] == 42;
+  kind->multiplied = classic && tiff_multiplied(bytes, size, directory, little);
   return classic && directory >= size ? refuse(name, "the TIFF file is cut off", err) : PLACIDO_OK;
 }
 

@@ -10,6 +10,7 @@
 typedef struct placido_image_kind {
   bool keeps_own_orientation; /* TIFF: its decoder turns the image itself */
   bool alpha;                 /* PNG with an alpha channel or a palette */
+  bool multiplied;            /* TIFF: its colours are multiplied by alpha */
   int full_scale;             /* PNM: the sample value of white; 0: the type's largest */
 } placido_image_kind;
 

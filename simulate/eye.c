@@ -26,14 +26,16 @@ int placido_eye_settle(placido_eye *settled, const placido_eye *eye, placido_err
   if (settled->index == 0) {
     settled->index = default_index;
   }
+  const double sphere_max_D = PLACIDO_SPHERE_MAX_D, cross_max_D = PLACIDO_CROSS_MAX_D;
   struct { double value, min, max; const char *name; } ranges[] = {
     {settled->pupil_mm, 0.1, 12, "the pupil's diameter (mm)"},
     {settled->pupil_x_mm, -6, 6, "the pupil's x (mm)"},
     {settled->pupil_y_mm, -6, 6, "the pupil's y (mm)"},
     {settled->index, 1.01, 2, "the refractive index"},
-    {settled->correction.m_D, -40, 40, "the correction's mean sphere (D)"},
-    {settled->correction.j0_D, -20, 20, "the correction's J0 (D)"},
-    {settled->correction.j45_D, -20, 20, "the correction's J45 (D)"},
+    {settled->correction.m_D, -sphere_max_D, sphere_max_D, "the correction's mean sphere (D)"},
+    {settled->correction.j0_D, -cross_max_D, cross_max_D, "the correction's J0 (D)"},
+    {settled->correction.j45_D, -cross_max_D, cross_max_D, "the correction's J45 (D)"},
+    {(double)settled->correct, PLACIDO_CORRECT_NONE, PLACIDO_CORRECT_SPHERE, "what is corrected"},
   };
   for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++) {
     int status = check(ranges[i].value, ranges[i].min, ranges[i].max, ranges[i].name, err);
@@ -49,28 +51,64 @@ int placido_eye_settle(placido_eye *settled, const placido_eye *eye, placido_err
 
 static int default_to(int value, int otherwise) { return value == 0 ? otherwise : value; }
 
+static int check_seed(const placido_optics *settled, placido_error *err) {
+  if (settled->bucket_arcmin != default_bucket_arcmin) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "the seed's buckets are called %g arcmin, not %g: leave one out",
+                             default_bucket_arcmin, settled->bucket_arcmin);
+  }
+  if (settled->wavelength_nm != 0) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "the seed has rays, no diffraction: leave the wavelength out");
+  }
+  if (settled->pattern != PLACIDO_PATTERN_CROSSHATCH) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "the seed's rays are a crosshatch: leave the pattern out");
+  }
+  return PLACIDO_OK;
+}
+
+/* Rays from samples; both given is a contradiction. */
+static int settle_rays(placido_optics *settled, placido_error *err) {
+  if (settled->samples != 0 && settled->rays != 0) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "%d samples across the pupil and %ld rays: leave one out",
+                             settled->samples, settled->rays);
+  }
+  if (settled->rays == 0) {
+    settled->samples = default_to(settled->samples, settled->cwhatuc ? 100 : 400); /* as the seed */
+    int status = check(settled->samples, 2, 4000, "samples across the pupil", err);
+    long n = settled->samples;
+    settled->rays = n * n + (n - 1) * (n - 1);
+    return status;
+  }
+  return check((double)settled->rays, 1, 50e6, "rays", err);
+}
+
 int placido_optics_settle(placido_optics *settled, const placido_optics *optics,
                           placido_error *err) {
   *settled = *optics;
-  settled->samples = default_to(settled->samples, settled->cwhatuc ? 100 : 400); /* as the seed */
   settled->buckets = default_to(settled->buckets, 257);
   settled->threads = default_to(settled->threads, 1);
   if (settled->bucket_arcmin == 0) {
     settled->bucket_arcmin = default_bucket_arcmin;
   }
+  if (settled->cwhatuc) {
+    settled->light = PLACIDO_LIGHT_COUNTED;
+    settled->grow = 1;
+  } else if (settled->grow == 0) {
+    settled->grow = 4;
+  }
   if (settled->buckets % 2 == 0) {
     return placido_error_set(err, PLACIDO_INPUT, "%d buckets a side, expected an odd number",
                              settled->buckets);
   }
-  if (settled->cwhatuc && settled->bucket_arcmin != default_bucket_arcmin) {
-    return placido_error_set(err, PLACIDO_INPUT,
-                             "the seed's buckets are called %g arcmin, not %g: leave one out",
-                             default_bucket_arcmin, settled->bucket_arcmin);
-  }
   struct { double value, min, max; const char *name; } ranges[] = {
-    {settled->samples, 2, 4000, "samples across the pupil"},
-    {settled->buckets, 3, 4095, "buckets a side"},
+    {settled->pattern, 0, PLACIDO_PATTERN_QUASI_RANDOM, "the pattern"},
+    {settled->light, 0, PLACIDO_LIGHT_COUNTED, "the way of counting light"},
+    {settled->buckets, 3, PLACIDO_PSF_BUCKETS_MAX, "buckets a side"},
     {settled->bucket_arcmin, 0.01, 60, "the bucket (arcmin)"},
+    {settled->grow, 1, 16, "the growth of the PSF"},
     {settled->threads, 1, 256, "threads"},
   };
   for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++) {
@@ -79,7 +117,13 @@ int placido_optics_settle(placido_optics *settled, const placido_optics *optics,
       return status;
     }
   }
-  return PLACIDO_OK;
+  int status = settled->wavelength_nm == 0
+                 ? PLACIDO_OK
+                 : check(settled->wavelength_nm, 300, 1200, "the wavelength (nm)", err);
+  if (status == PLACIDO_OK) {
+    status = settle_rays(settled, err);
+  }
+  return status == PLACIDO_OK && settled->cwhatuc ? check_seed(settled, err) : status;
 }
 
 /* Mean curvature of a surface patch (do Carmo, Differential Geometry, 3-3), positive for a dome. */

@@ -7,6 +7,9 @@
 
 #define PLACIDO_ARCMIN_RAD 2.908882086657216e-4 /* pi / 10,800 */
 
+/* The strongest lens: mean sphere, and cross-cylinder. */
+enum { PLACIDO_SPHERE_MAX_D = 40, PLACIDO_CROSS_MAX_D = 20 };
+
 /* What the eye's scale and its retina are measured from. */
 typedef struct placido_apex {
   double axis_sag_mm; /* sag of the surface's point on the axis */

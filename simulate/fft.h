@@ -17,6 +17,10 @@ typedef struct placido_fft {
 /* The smallest even length of at least `length` whose only prime factors are 2, 3, 5 and 7. */
 int placido_fft_good_length(int length);
 
+/* The even length of at least `length` that is transformed in the least time: often a longer one
+ * with more factors of 2, as 4096 instead of 4000. */
+int placido_fft_fast_length(int length);
+
 /* Plans for planes within `planes`, which planning leaves untouched: any plane that lies a whole
  * number of `plane` floats behind it may be transformed. fft->columns, rows, stride and plane come
  * from placido_fft_shape. Free with placido_fft_free. Returns PLACIDO_OK or PLACIDO_MEMORY. */

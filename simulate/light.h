@@ -4,9 +4,9 @@
 
 #include <stddef.h>
 
-/* Greatest sum of 1 / (1 + d²/width²)² over `count` points, d the distance from the place that
+/* Greatest sum of (1 + d²/width²)^-3/2 over `count` points, d the distance from the place that
  * `peak` (x, y) receives. Any unit of length; 0 for no points. */
-double placido_light_peak(const double *x, const double *y, size_t count, double width,
+double placido_light_peak(const float *x, const float *y, size_t count, double width,
                           double peak[2]);
 
 #endif

@@ -1,5 +1,5 @@
-/* The rays of a pupil as the search of the focus sees them: slopes behind the cornea that change in
- * proportion with vergence and cross-cylinder, and weights. */
+/* The rays of a pupil as the search of the correction sees them: slopes behind the cornea that
+ * change in proportion with what is searched, and how much of the light lies close together. */
 #ifndef PLACIDO_SIMULATE_PENCIL_H
 #define PLACIDO_SIMULATE_PENCIL_H
 
@@ -8,11 +8,14 @@
 
 #include <stdbool.h>
 
-/* Vergence of the light that meets on the retina (1000 n / L for a retina L mm away), the
- * cross-cylinder worn, and a place on the retina: its offset from behind the pupil's centre over
- * L, so as a slope. */
+enum { PLACIDO_PENCIL_UNKNOWNS = 3 }; /* power, J0, J45 */
+
+/* Where the light is to meet: power of the sphere, cross-cylinder worn, and a place on the retina,
+ * its offset from behind the pupil's centre over the retina's distance L, so as a slope. The power
+ * is the vergence on the retina, 1000 n / L, where the retina is searched, else the lens's M. */
 typedef struct placido_aim {
-  double vergence_D, j0_D, j45_D, x, y;
+  double power_D[PLACIDO_PENCIL_UNKNOWNS]; /* sphere, J0, J45 */
+  double x, y;
 } placido_aim;
 
 /* A part of the pupil: what lies between two circles. */
@@ -21,41 +24,42 @@ typedef struct placido_patch {
   double inner_mm, outer_mm;
 } placido_patch;
 
-/* Columns of `count` numbers each, in one block. */
+/* Columns of `padded` numbers each, in one block; what is behind `count` gathers no light. */
 typedef struct placido_pencil {
-  size_t count;
-  double index, j0_D, j45_D;   /* about which slopes are linear */
-  float *x, *y;                /* where a ray enters, mm from the pupil's centre */
-  float *slope_x, *slope_y;    /* at vergence 0 */
-  float *m_x, *m_y;            /* their changes per dioptre of vergence, J0, J45 */
-  float *j0_x, *j0_y, *j45_x, *j45_y;
-  float *u, *v;                /* how far off the aim */
+  size_t room, count, padded;
+  double about_D[PLACIDO_PENCIL_UNKNOWNS];   /* where the slopes were traced */
+  float *x, *y;                              /* where a ray enters, mm from the pupil's centre */
+  float *slope_x, *slope_y;                  /* there */
+  float *change_x[PLACIDO_PENCIL_UNKNOWNS], *change_y[PLACIDO_PENCIL_UNKNOWNS]; /* a dioptre */
+  float *u, *v;                              /* how far off the aim */
   float *weight;
 } placido_pencil;
 
-/* Room for `rays` rays, 1 at least. Free with placido_pencil_free. PLACIDO_OK or PLACIDO_MEMORY. */
+/* Room for `rays` rays. Free with placido_pencil_free. PLACIDO_OK or PLACIDO_MEMORY. */
 int placido_pencil_new(placido_pencil *pencil, size_t rays, placido_error *err);
 void placido_pencil_free(placido_pencil *pencil);
 
 /* Traces the rays, no more than there is room for, through what `eye` wears; exact for that lens,
- * linear about it. Rays that cannot enter are left out. */
+ * linear about it. Where eye->retina_mm is 0 the retina's distance is the sphere, else the lens.
+ * Rays that cannot enter are left out. */
 void placido_pencil_trace(placido_pencil *pencil, const placido_rays *rays,
                           const placido_eye *eye);
 
-/* Fills u and v. */
+/* The light within about `width` (a slope) of the aim: the sum of (1 + d²/width²)^-3/2 over the
+ * rays, d their distance from it. Fills u and v; weights become the profile's derivative,
+ * (1 + d²/width²)^-5/2. */
+double placido_pencil_gather(placido_pencil *pencil, const placido_aim *aim, double width);
+
+/* Fills u and v, and weights of 1. */
 void placido_pencil_aim(placido_pencil *pencil, const placido_aim *aim);
 
-/* Weight 1 inside the patch, 0 outside. */
-void placido_pencil_select(placido_pencil *pencil, const placido_patch *patch);
+/* Weight 1 inside the patch, 0 outside; returns how many rays are inside. */
+size_t placido_pencil_select(placido_pencil *pencil, const placido_patch *patch);
 
-/* Weights (1 + d²/width²)^-3 of the distance from the aim; returns the light gathered there, the
- * sum of (1 + d²/width²)^-2. */
-double placido_pencil_gather(placido_pencil *pencil, double width);
-
-/* The change of aim that brings the weighted rays closest to one place (least squares), with
- * vergence or cross-cylinder held where they are not open. `rms` receives how far from their middle
- * they are before it. False where the rays do not determine it. */
-bool placido_pencil_fit(const placido_pencil *pencil, bool vergence_open, bool cylinder_open,
+/* The change of aim that brings the weighted rays closest to one place (least squares); powers
+ * change where `open`. `rms` receives how far from that place they are after it. False where the rays
+ * do not determine it. */
+bool placido_pencil_fit(const placido_pencil *pencil, const bool open[PLACIDO_PENCIL_UNKNOWNS],
                         placido_aim *change, double *rms);
 
 #endif

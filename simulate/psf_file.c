@@ -75,14 +75,23 @@ static json_t *effects_json(const placido_psf *psf) {
   return NULL;
 }
 
+static bool put_method(json_t *root, const placido_psf *psf) {
+  bool waves = psf->wavelength_nm > 0;
+  return put(root, "method", json_string(waves ? "diffraction" : "geometric")) &&
+         put(root, "wavelength_nm", waves ? placido_json_real(psf->wavelength_nm) : json_null());
+}
+
 static json_t *psf_json(const placido_psf *psf, double seconds) {
   json_t *root = json_object();
   bool whole = put(root, "format", json_string("placido-psf/1")) &&
-               put_real(root, "pupil_mm", psf->pupil_mm) &&
+               put_real(root, "pupil_mm", psf->pupil_mm) && put_method(root, psf) &&
                put(root, "rays", json_integer(psf->rays)) &&
                put(root, "rays_entered", json_integer(psf->rays_entered)) &&
                put(root, "rays_landed", json_integer(psf->rays_landed)) &&
                put(root, "rays_missed", json_integer(psf->rays_missed)) &&
+               put(root, "rays_grazed", json_integer(psf->rays_grazed)) &&
+               put(root, "rays_reflected", json_integer(psf->rays_reflected)) &&
+               put_real(root, "outside", psf->outside) &&
                put_real(root, "strehl_g", psf->strehl_g) &&
                put_real(root, "rms_arcmin", placido_psf_rms_arcmin(psf)) &&
                put_real(root, "bucket_arcmin", psf->bucket_arcmin) &&

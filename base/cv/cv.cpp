@@ -156,6 +156,17 @@ int fill_image(placido_image *image, const cv::Mat &decoded, double white, placi
   return PLACIDO_OK;
 }
 
+// Gives the colours back what multiplying them by alpha took. libtiff multiplies 8-bit samples
+// itself where the file has not.
+void divide_by_alpha(placido_image *image) {
+  const cv::Mat alpha = plane_of(image, 3);
+  for (int i = 0; i < 3; i++) {
+    cv::Mat colour = plane_of(image, i);
+    cv::divide(colour, alpha, colour);
+    colour.setTo(0, alpha <= 0);
+  }
+}
+
 int fill_frame(placido_frame *frame, const cv::Mat &decoded, const placido_image_kind &kind,
                placido_error *err) {
   const bool wide = decoded.depth() == CV_16U;
@@ -231,6 +242,10 @@ int placido_cv_load(placido_image *image, int *bits, const char *path, placido_e
     if (!step) {
       *bits = static_cast<int>(decoded.elemSize1()) * 8;
       step = fill_image(image, decoded, white_of(decoded, kind), err);
+      const bool tiff = kind.keeps_own_orientation;
+      if (!step && decoded.channels() == 4 && tiff && (*bits == 8 || kind.multiplied)) {
+        divide_by_alpha(image);
+      }
     }
     return step;
   });

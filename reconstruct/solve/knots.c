@@ -10,14 +10,13 @@
 
 #define MARGIN_MM 0.6 /* of spline beyond the outermost point */
 #define EXPLORE_STRIDE 3
-#define CONTINUE_STRIDE 6
 #define GAIN 0.85 /* finer knots must bring the spread below this share of what it was */
 #define MISFIT_FAR                                                                                 \
   2.5 /* spread over rough noise at which the next finer knots would not do: they about halve it   \
        */
 #define SHIFTED 0.6        /* of the spread, which another numbering of all mires must stay below */
 #define SETTLED_TO_CUT 0.1 /* what is left is a small part of an outlier's distance */
-#define POINTS_PLENTY 3.0  /* a coefficient: what these tell is good enough to cut by */
+#define POINTS_PLENTY 4.0  /* a coefficient: what these tell is good enough to cut by */
 
 static const double KNOTS_MM[] = {0.5, 0.35, 0.25};
 #define KNOT_CHOICES (int)(sizeof KNOTS_MM / sizeof KNOTS_MM[0])
@@ -38,13 +37,12 @@ static int refinement_of(placido_refinement *r, const placido_solution *p, const
                                 err);
 }
 
-/* The samples on every third meridian: enough to choose knots by, at a third of the cost. To go on
- * from the previous frame takes fewer. */
-static size_t thin_out(placido_sample *some, const placido_solution *p, int stride) {
+/* The samples on every third meridian: enough to choose knots by, at a third of the cost. */
+static size_t thin_out(placido_sample *some, const placido_solution *p) {
   size_t few = 0;
   for (size_t i = 0; i < p->count; i++) {
     double meridian = p->mires->points[i].meridian_deg * p->mires->meridian_count / 360;
-    if (lrint(meridian) % stride == 0) {
+    if (lrint(meridian) % EXPLORE_STRIDE == 0) {
       some[few++] = p->samples[i];
     }
   }
@@ -117,18 +115,14 @@ int placido_solution_spline(placido_solution *p, placido_grid *grid, placido_err
   placido_bundle rays = {0};
   placido_sample *some = placido_memory_new(p->count, sizeof *some, err);
   int status = some ? PLACIDO_OK : PLACIDO_MEMORY;
+  if (!status) {
+    status = placido_bundle_new(&rays, some, thin_out(some, p), err);
+  }
   if (!status && may_continue(p)) {
-    status = placido_bundle_new(&rays, some, thin_out(some, p, CONTINUE_STRIDE), err);
-    if (!status) {
-      status = continue_start(&coarse, grid, p, &rays, err);
-    }
+    status = continue_start(&coarse, grid, p, &rays, err);
   }
   if (!status && !coarse.coefficients && !(status = placido_solution_base(p, err))) {
-    placido_bundle_free(&rays);
-    status = placido_bundle_new(&rays, some, thin_out(some, p, EXPLORE_STRIDE), err);
-    if (!status) {
-      status = explore(&coarse, grid, p, &rays, err);
-    }
+    status = explore(&coarse, grid, p, &rays, err);
   }
   if (!status) {
     status = placido_refinement_aim(&coarse, &p->rays, err);

@@ -4,12 +4,12 @@
 
 #include <placido/image.h>
 
-typedef enum placido_optotype {
+enum placido_optotype {
   PLACIDO_OPTOTYPE_E,       /* 4: arms to the right, up, left, down */
   PLACIDO_OPTOTYPE_LANDOLT, /* 8: gap to the right, up right, up, ... in steps of 45 degrees; the
                                even ones are the four-choice test */
   PLACIDO_OPTOTYPE_SLOAN,   /* 10: C D H K N O R S V Z */
-} placido_optotype;
+};
 
 /* How many of a kind there are. */
 int placido_optotype_count(enum placido_optotype kind);

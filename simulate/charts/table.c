@@ -1,6 +1,7 @@
 /* The generated charts: one row each. */
 #include "simulate/charts/chart.h"
 #include "simulate/charts/logmar.h"
+#include "simulate/charts/pictures.h"
 
 #include <placido/scene.h>
 
@@ -17,6 +18,14 @@ static const placido_chart charts[] = {
   {"landolt", "Landolt rings in ETDRS lines", 0, 0, 1, PLACIDO_OPTOTYPE_LANDOLT,
    placido_logmar_draw},
   {"e-lines", "tumbling E in ETDRS lines", 0, 0, 1, PLACIDO_OPTOTYPE_E, placido_logmar_draw},
+  {"building", "a brick house by day", 360, 270, 3, PLACIDO_OPTOTYPE_E, placido_draw_building},
+  {"street", "a street at night, with headlights", 360, 270, 3, PLACIDO_OPTOTYPE_E,
+   placido_draw_street},
+  {"monitor", "windows with text on a screen at 60 cm", 600, 420, 3, PLACIDO_OPTOTYPE_E,
+   placido_draw_monitor},
+  {"stars", "a field of stars", 240, 180, 3, PLACIDO_OPTOTYPE_E, placido_draw_stars},
+  {"colours", "patches, letters and bars in colours", 240, 190, 3, PLACIDO_OPTOTYPE_E,
+   placido_draw_colours},
 };
 
 const placido_chart *placido_chart_table(size_t *count) {

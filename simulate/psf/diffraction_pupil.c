@@ -2,6 +2,7 @@
 #include <placido/diffraction.h>
 
 #include "base/memory.h"
+#include "reconstruct/surface/sheet.h"
 #include "simulate/eye.h"
 #include "simulate/rays/bundle.h"
 
@@ -62,16 +63,49 @@ int placido_pupil_of_terms(placido_pupil *pupil, double pupil_mm, const double *
   return PLACIDO_OK;
 }
 
-/* Path difference of one ray; NaN where the surface is not defined. */
-static double surface_opd_um(const placido_surface *surface, const placido_apex *apex,
-                             const placido_eye *eye, const double focus_mm[3], double chief_mm,
-                             double x_mm, double y_mm) {
-  placido_jet jet;
-  if (!placido_surface_at(surface, x_mm, y_mm, &jet)) {
-    return NAN;
+/* What the lines of a surface's pupil share. */
+typedef struct lines {
+  const placido_sheet *sheet;
+  const placido_eye *eye;
+  const double *focus_mm, *x_mm;
+  double axis_sag_mm, chief_mm, spacing_mm;
+  int n;
+} lines;
+
+/* Path differences of one line; NaN where the surface is not defined. */
+static void fill_line(double *opd_um, double *work, const lines *l, int row) {
+  size_t n = (size_t)l->n;
+  double y_mm = l->eye->pupil_y_mm + (row - 0.5 * (l->n - 1)) * l->spacing_mm;
+  double *sag_mm = work, *sx = work + n, *sy = work + 2 * n;
+  placido_sheet_line(l->sheet, work + 3 * n, y_mm, 0, n, sag_mm, sx, sy);
+  for (size_t i = 0; i < n; i++) {
+    opd_um[i] = 1e3 * (l->chief_mm - placido_path_mm(l->eye, l->x_mm[i], y_mm,
+                                                     sag_mm[i] - l->axis_sag_mm, l->focus_mm));
   }
-  double depth_mm = jet.sag - apex->axis_sag_mm;
-  return 1e3 * (chief_mm - placido_path_mm(eye, x_mm, y_mm, depth_mm, focus_mm));
+}
+
+static int fill_lines(double *opd_um, const lines *l, int threads, placido_error *err) {
+  size_t n = (size_t)l->n, size = 3 * n + placido_sheet_work(l->sheet);
+  double *work = placido_memory_new((size_t)threads, size * sizeof *work, err);
+  if (work == NULL) {
+    return PLACIDO_MEMORY;
+  }
+#pragma omp parallel for num_threads(threads) if (threads > 1)
+  for (int thread = 0; thread < threads; thread++) {
+    for (int row = thread; row < l->n; row += threads) {
+      fill_line(opd_um + (size_t)row * n, work + (size_t)thread * size, l, row);
+    }
+  }
+  placido_memory_free(work);
+  return PLACIDO_OK;
+}
+
+/* Path of the chief ray, through the pupil's centre, where the surface is known to be defined. */
+static double chief_path_mm(const placido_surface *surface, const placido_eye *eye,
+                            double axis_sag_mm, const double focus_mm[3]) {
+  placido_jet jet;
+  placido_surface_at(surface, eye->pupil_x_mm, eye->pupil_y_mm, &jet);
+  return placido_path_mm(eye, eye->pupil_x_mm, eye->pupil_y_mm, jet.sag - axis_sag_mm, focus_mm);
 }
 
 int placido_pupil_of_surface(placido_pupil *pupil, const placido_surface *surface,
@@ -80,32 +114,44 @@ int placido_pupil_of_surface(placido_pupil *pupil, const placido_surface *surfac
   *pupil = (placido_pupil){0};
   placido_eye settled;
   placido_apex apex;
+  placido_sheet *sheet = NULL;
+  double *x_mm = NULL, *opd_um = NULL;
   int status = placido_eye_settle(&settled, eye, err);
+  if (status == PLACIDO_OK && (threads < 1 || threads > 256)) {
+    status = placido_error_set(err, PLACIDO_INPUT, "%d threads, expected 1 to 256", threads);
+  }
   if (status == PLACIDO_OK) {
     status = placido_apex_find(&apex, surface, &settled, err);
   }
   if (status != PLACIDO_OK) {
     return status;
   }
-  double across = fmin(fmax(settled.pupil_mm / surface_spacing_mm, SAMPLES_LEAST), SAMPLES_MOST);
-  double spacing_mm = settled.pupil_mm / ceil(across);
-  int n = (int)ceil(across) + 2 * MARGIN;
-  double *opd_um = placido_memory_new((size_t)n, (size_t)n * sizeof *opd_um, err);
-  if (opd_um == NULL) {
-    return PLACIDO_MEMORY;
+  double across = ceil(fmin(fmax(settled.pupil_mm / surface_spacing_mm, SAMPLES_LEAST),
+                            SAMPLES_MOST));
+  lines l = {.eye = &settled, .focus_mm = focus_mm, .axis_sag_mm = apex.axis_sag_mm,
+             .spacing_mm = settled.pupil_mm / across, .n = (int)across + 2 * MARGIN};
+  l.chief_mm = chief_path_mm(surface, &settled, apex.axis_sag_mm, focus_mm);
+  x_mm = placido_memory_new((size_t)l.n, sizeof *x_mm, err);
+  opd_um = placido_memory_new((size_t)l.n, (size_t)l.n * sizeof *opd_um, err);
+  status = x_mm != NULL && opd_um != NULL ? PLACIDO_OK : PLACIDO_MEMORY;
+  for (int i = 0; i < l.n && status == PLACIDO_OK; i++) {
+    x_mm[i] = settled.pupil_x_mm + (i - 0.5 * (l.n - 1)) * l.spacing_mm;
   }
-  double chief_mm = -1e-3 * surface_opd_um(surface, &apex, &settled, focus_mm, 0,
-                                           settled.pupil_x_mm, settled.pupil_y_mm);
-#pragma omp parallel for num_threads(threads) if (threads > 1)
-  for (int row = 0; row < n; row++) {
-    for (int column = 0; column < n; column++) {
-      double x = settled.pupil_x_mm + (column - 0.5 * (n - 1)) * spacing_mm;
-      double y = settled.pupil_y_mm + (row - 0.5 * (n - 1)) * spacing_mm;
-      opd_um[(size_t)row * (size_t)n + (size_t)column] =
-        surface_opd_um(surface, &apex, &settled, focus_mm, chief_mm, x, y);
-    }
+  if (status == PLACIDO_OK) {
+    status = placido_sheet_new(&sheet, surface, x_mm, (size_t)l.n, err);
   }
-  take(pupil, opd_um, n, settled.pupil_mm, spacing_mm);
+  if (status == PLACIDO_OK) {
+    l.sheet = sheet;
+    l.x_mm = x_mm;
+    status = fill_lines(opd_um, &l, threads, err);
+  }
+  placido_sheet_free(sheet);
+  placido_memory_free(x_mm);
+  if (status != PLACIDO_OK) {
+    placido_memory_free(opd_um);
+    return status;
+  }
+  take(pupil, opd_um, l.n, settled.pupil_mm, l.spacing_mm);
   return PLACIDO_OK;
 }
 

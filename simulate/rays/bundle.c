@@ -2,44 +2,40 @@
 #include "simulate/rays/bundle.h"
 
 #include "base/memory.h"
-#include "simulate/rays/pattern.h"
 #include "simulate/rays/refract.h"
+#include "simulate/rays/tracer.h"
 
 #include <math.h>
 
-enum { COLUMNS = 9 };
+enum { KEPT = 6, COLUMNS = 8 };
 
-/* Columns while they are filled: those of the bundle, the surface's slopes, and what became of each
- * ray. */
+/* What is needed while the bundle is filled. */
 typedef struct filling {
-  const placido_surface *surface;
-  const placido_apex *apex;
-  const placido_eye *eye;
-  placido_pattern pattern;
+  placido_tracer tracer;
   placido_bundle *bundle;
-  double *sx, *sy;
+  size_t *first;             /* ray of every run */
+  double *sx, *sy, *work;    /* the surface's slopes; room to work in for every thread */
   unsigned char *fate, *covered;
-  size_t *first; /* ray of every run */
 } filling;
 
-static void trace_run(const filling *f, long run) {
+static void trace_run(const filling *f, long run, double *work) {
   const placido_bundle *b = f->bundle;
-  size_t first = f->first[run], count = f->first[run + 1] - first;
-  placido_pattern_run(&f->pattern, run, b->x_mm + first, b->y_mm + first, b->weight + first);
-  for (size_t i = first; i < first + count; i++) {
-    placido_jet jet; /* NaN where the surface is not defined */
-    placido_surface_at(f->surface, b->x_mm[i], b->y_mm[i], &jet);
-    b->depth_mm[i] = jet.sag - f->apex->axis_sag_mm;
-    f->sx[i] = jet.sx;
-    f->sy[i] = jet.sy;
-    f->covered[i] = placido_surface_covered(f->surface, b->x_mm[i], b->y_mm[i]);
-  }
-  placido_refract(b->u + first, b->v + first, b->x_mm + first, b->y_mm + first, f->sx + first,
-                  f->sy + first, count, f->eye);
-  for (size_t i = first; i < first + count; i++) {
+  size_t first = f->first[run], end = f->first[run + 1];
+  const placido_ray_columns columns = {.x_mm = b->x_mm + first,
+                                       .y_mm = b->y_mm + first,
+                                       .depth_mm = b->depth_mm + first,
+                                       .sx = f->sx + first,
+                                       .sy = f->sy + first,
+                                       .u = b->u + first,
+                                       .v = b->v + first,
+                                       .weight = b->weight + first,
+                                       .work = work};
+  placido_tracer_run(&f->tracer, run, &columns);
+  for (size_t i = first; i < end; i++) {
     f->fate[i] = isfinite(b->u[i]) ? PLACIDO_FATE_ARRIVED
                                    : placido_refract_fate(b->x_mm[i], b->y_mm[i], f->sx[i],
-                                                          f->sy[i], f->eye);
+                                                          f->sy[i], &f->tracer.eye);
+    f->covered[i] = placido_surface_covered(f->tracer.surface, b->x_mm[i], b->y_mm[i]);
   }
 }
 
@@ -64,31 +60,41 @@ static void close_up(const filling *f) {
   }
 }
 
-static int allocate(filling *f, placido_error *err) {
-  size_t runs = (size_t)f->pattern.runs;
+static int allocate(filling *f, int threads, placido_error *err) {
+  size_t runs = (size_t)f->tracer.pattern.runs;
   f->first = placido_memory_new(runs + 1, sizeof *f->first, err);
   if (f->first == NULL) {
     return PLACIDO_MEMORY;
   }
   for (size_t run = 0; run < runs; run++) {
-    f->first[run + 1] = f->first[run] + (size_t)placido_pattern_count(&f->pattern, (long)run);
+    f->first[run + 1] =
+      f->first[run] + (size_t)placido_pattern_count(&f->tracer.pattern, (long)run);
   }
   size_t count = f->first[runs];
   placido_bundle *b = f->bundle;
   b->asked = (long)count;
+  b->x_mm = placido_memory_new(count, KEPT * sizeof *b->x_mm, err);
+  f->sx = placido_memory_new(count, (COLUMNS - KEPT) * sizeof *f->sx, err);
+  f->work = placido_memory_new(f->tracer.work + 1, (size_t)threads * sizeof *f->work, err);
   f->fate = placido_memory_new(count, 2, err);
-  f->sx = placido_memory_new(count, 2 * sizeof *f->sx, err);
-  b->x_mm = placido_memory_new(count, (COLUMNS - 3) * sizeof *b->x_mm, err);
-  if (f->fate == NULL || f->sx == NULL || b->x_mm == NULL) {
+  if (b->x_mm == NULL || f->sx == NULL || f->work == NULL || f->fate == NULL) {
     return PLACIDO_MEMORY;
   }
-  f->covered = f->fate + count;
   f->sy = f->sx + count;
-  double **columns[] = {&b->y_mm, &b->depth_mm, &b->u, &b->v, &b->weight};
-  for (size_t i = 0; i < sizeof columns / sizeof *columns; i++) {
+  f->covered = f->fate + count;
+  double **columns[KEPT - 1] = {&b->y_mm, &b->depth_mm, &b->u, &b->v, &b->weight};
+  for (size_t i = 0; i < KEPT - 1; i++) {
     *columns[i] = b->x_mm + (i + 1) * count;
   }
   return PLACIDO_OK;
+}
+
+/* Every `threads`-th run from `thread` on. */
+static void trace_runs(const filling *f, int thread, int threads) {
+  double *work = f->work + (size_t)thread * f->tracer.work;
+  for (long run = thread; run < f->tracer.pattern.runs; run += threads) {
+    trace_run(f, run, work);
+  }
 }
 
 int placido_bundle_new(placido_bundle *bundle, const placido_surface *surface,
@@ -96,24 +102,25 @@ int placido_bundle_new(placido_bundle *bundle, const placido_surface *surface,
                        enum placido_pattern_kind pattern, long rays, int threads,
                        placido_error *err) {
   *bundle = (placido_bundle){0};
-  filling f = {.surface = surface,
-               .apex = apex,
-               .eye = eye,
-               .pattern = placido_pattern_of(eye, pattern, rays),
-               .bundle = bundle};
-  int status = allocate(&f, err);
+  filling f = {.bundle = bundle};
+  int status = placido_tracer_new(&f.tracer, surface, apex, eye, pattern, rays, err);
   if (status == PLACIDO_OK) {
-#pragma omp parallel for num_threads(threads) schedule(static, 8) if (threads > 1)
-    for (long run = 0; run < f.pattern.runs; run++) {
-      trace_run(&f, run);
+    status = allocate(&f, threads, err);
+  }
+  if (status == PLACIDO_OK) {
+#pragma omp parallel for num_threads(threads) if (threads > 1)
+    for (int thread = 0; thread < threads; thread++) {
+      trace_runs(&f, thread, threads);
     }
     close_up(&f);
   } else {
     placido_bundle_free(bundle);
   }
+  placido_tracer_free(&f.tracer);
   placido_memory_free(f.first);
-  placido_memory_free(f.fate);
   placido_memory_free(f.sx);
+  placido_memory_free(f.work);
+  placido_memory_free(f.fate);
   return status;
 }
 

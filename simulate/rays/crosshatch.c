@@ -103,13 +103,6 @@ static double area_passed_on(long x, long y, long to_x, long to_y, long edge) {
 
 /* Area that the ray at (x, y), inside the pupil, stands for. */
 static double area_of_ray(long x, long y, long edge) {
-  long far_x = labs(x) + 1, far_y = labs(y) + 1;
-  if (far_x * far_x + far_y * far_y <= edge * edge) {
-    long out_x = labs(x) + 2, out_y = labs(y) + 2;
-    if (is_inside(out_x, out_y, edge)) {
-      return 4;
-    }
-  }
   double area = area_of_cell(x, y, edge);
   for (long dy = -2; dy <= 2; dy += 2) {
     for (long dx = -2; dx <= 2; dx += 2) {
@@ -119,14 +112,24 @@ static double area_of_ray(long x, long y, long edge) {
   return area;
 }
 
+/* Whether the rim neither crosses the ray's cell nor leaves a neighbour's middle outside. */
+static bool is_whole(long x, long y, long edge) {
+  long far_x = labs(x) + 1, far_y = labs(y) + 1;
+  return far_x * far_x + far_y * far_y <= edge * edge && is_inside(far_x + 1, far_y + 1, edge);
+}
+
 void placido_crosshatch_weights(const placido_crosshatch *pattern, int row, double *weight) {
   const double pi = 3.14159265358979323846;
   row_place place = find_row(pattern, row);
   long edge = pattern->samples - 1;
   /* The least crosshatch has one ray, in the middle, which is all of its light. */
   double share = edge == 1 ? 1 / pi : 1 / (2 * pi * (double)edge * (double)edge);
-  for (long x = -place.last; place.last >= 0 && x <= 0; x += 2) {
+  long x = -place.last;
+  for (; x <= 0 && place.last >= 0 && !is_whole(x, place.height, edge); x += 2) {
     weight[(place.last + x) / 2] = share * area_of_ray(x, place.height, edge);
     weight[(place.last - x) / 2] = weight[(place.last + x) / 2];
+  }
+  for (long i = (place.last + x) / 2; i <= (place.last - x) / 2; i++) {
+    weight[i] = 4 * share;
   }
 }

@@ -65,8 +65,8 @@ static void place_quasi_random(long k, double place[2]) {
   square_to_disc(2 * a - 1, 2 * b - 1, place);
 }
 
-static void run_of_crosshatch(const placido_crosshatch *crosshatch, int row, double *x_mm,
-                              double *y_mm, double *weight) {
+static int run_of_crosshatch(const placido_crosshatch *crosshatch, int row, double *x_mm,
+                             double *y_mm, double *weight) {
   double first_mm, height_mm;
   int count;
   placido_crosshatch_row(crosshatch, row, &first_mm, &count, &height_mm);
@@ -75,13 +75,13 @@ static void run_of_crosshatch(const placido_crosshatch *crosshatch, int row, dou
     y_mm[i] = height_mm;
   }
   placido_crosshatch_weights(crosshatch, row, weight);
+  return count;
 }
 
-void placido_pattern_run(const placido_pattern *pattern, long run, double *x_mm, double *y_mm,
-                         double *weight) {
+int placido_pattern_run(const placido_pattern *pattern, long run, double *x_mm, double *y_mm,
+                        double *weight) {
   if (pattern->kind == PLACIDO_PATTERN_CROSSHATCH) {
-    run_of_crosshatch(&pattern->crosshatch, (int)run, x_mm, y_mm, weight);
-    return;
+    return run_of_crosshatch(&pattern->crosshatch, (int)run, x_mm, y_mm, weight);
   }
   int count = placido_pattern_count(pattern, run);
   for (int i = 0; i < count; i++) {
@@ -95,4 +95,5 @@ void placido_pattern_run(const placido_pattern *pattern, long run, double *x_mm,
     y_mm[i] = pattern->y_mm + pattern->radius_mm * place[1];
     weight[i] = 1 / (double)pattern->total;
   }
+  return count;
 }

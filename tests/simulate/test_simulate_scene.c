@@ -3,6 +3,7 @@
 #include "tests/support/near.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,10 +69,20 @@ static void test_calibrations_are_what_geometry_says(void **state) {
   expect_scale("{\"kind\": \"monitor\", \"dpi\": 72, \"distance_m\": 2.4257}", 0.4999632);
   /* 1.8 m over 300 px at 20 m: 6 mm at 20 m. */
   expect_scale("{\"kind\": \"object\", \"size_m\": 1.8, \"distance_m\": 20, \"size_px\": 300}",
-               atan(0.0003) / arcmin);
-  /* 40 px over 12 degrees: 2 tan 6 / 40 in the middle. */
+               2 * atan(0.00015) / arcmin);
+  /* 40 px over 12 degrees: a plane at distance 1 that is 2 tan 6 wide. */
   expect_scale("{\"kind\": \"camera\", \"horizontal_fov_deg\": 12}",
-               atan(2 * tan(6 * 60 * arcmin) / 40) / arcmin);
+               2 * atan(tan(6 * 60 * arcmin) / 40) / arcmin);
+}
+
+/* Small angles would be wrong by far: 40 pixels share 140 degrees, of which the two in the middle
+ * have 7.85 each, not 3.5; a screen pixel of 25.4 mm at 10 mm is 103.6 degrees, not 145.5. */
+static void test_calibrations_hold_at_large_angles(void **state) {
+  (void)state;
+  expect_scale("{\"kind\": \"camera\", \"horizontal_fov_deg\": 140}", 7.8585998 * 60);
+  expect_scale("{\"kind\": \"monitor\", \"dpi\": 1, \"distance_m\": 0.01}", 103.5660977 * 60);
+  expect_scale("{\"kind\": \"object\", \"size_m\": 80, \"distance_m\": 1, \"size_px\": 40}", 90 * 60);
+  expect_scale("{\"kind\": \"arcmin_per_px\", \"value\": 600}", 600);
 }
 
 /* sRGB 188/255 is 0.5029 of white in linear light (IEC 61966-2-1). */
@@ -147,6 +158,19 @@ static void test_coarser_scenes_are_refused_with_the_numbers(void **state) {
   assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, &err), PLACIDO_QUALITY);
   assert_non_null(strstr(err.text, "a pixel is 2', the PSF's bucket 0.5'"));
   assert_null(seen.data);
+  assert_non_null(strstr(err.text, "--allow-coarse"));
+  assert_true(placido_scene_coarse(&scene, &psf));
+  /* Asked for, a pixel becomes four buckets a side. */
+  scene.allow_coarse = true;
+  scene.image.data[41] = 1; /* the second of the second row */
+  assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, &err), PLACIDO_OK);
+  assert_int_equal(seen.width_px, 160);
+  assert_int_equal(seen.height_px, 80);
+  for (int i = 0; i < 160 * 80; i++) {
+    bool bright = i % 160 / 4 == 1 && i / 160 / 4 == 1;
+    assert_near(seen.data[i], bright ? 1 : 0.5028865, 1e-5);
+  }
+  placido_image_free(&seen);
   placido_scene_free(&scene);
 }
 
@@ -186,7 +210,23 @@ static void test_errors_name_file_line_and_field(void **state) {
      {"scene.json:3", "photographs"}, PLACIDO_INPUT},
     {"\"image\": \"photo.png\", \"tolerance\": 0,\n\"calibration\": {\"kind\": \"camera\"}",
      {"scene.json:3", "tolerance"}, PLACIDO_INPUT},
-    {"\"image\": \"landolt\"", {"landolt", "tumbling-e"}, PLACIDO_UNSUPPORTED},
+    {"\"image\": \"photo.png\", \"tolerance\": 2,\n\"calibration\": {\"kind\": \"camera\"}",
+     {"scene.json:3", "expected 1e-06 to 1"}, PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"luminance_cd_m2\": -3", {"scene.json:4", "luminance"}, PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"distance_m\": \"far\"", {"scene.json:4", "\"infinity\""}, PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"distance_m\": 0", {"scene.json:4", "distance_m"}, PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"spectrum\": \"neon\"", {"scene.json:4", "wavelength"}, PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"spectrum\": 1200", {"scene.json:4", "380 to 780"}, PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"spectrum\": [1]", {"scene.json:4", "daylight"}, PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"depth\": \"none.tif\"", {"none.tif", "depth"}, PLACIDO_SYSTEM},
+    {"\"image\": \"sloan\",\n\"resampling\": \"best\"", {"scene.json:4", "area or bicubic"},
+     PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"allow_coarse\": 1", {"scene.json:4", "allow_coarse"}, PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"chart\": {\"first_logmar\": 0, \"last_logmar\": 1}",
+     {"scene.json:4", "from 2 down to -1"}, PLACIDO_INPUT},
+    {"\"image\": \"fan\",\n\"chart\": {\"first_logmar\": 0}", {"fan", "its own"}, PLACIDO_INPUT},
+    {"\"image\": \"photo.png\",\n\"chart\": {\"first_logmar\": 0}",
+     {"scene.json:4", "photograph"}, PLACIDO_INPUT},
     {"\"image\": \"missing.png\", \"calibration\": {\"kind\": \"arcmin_per_px\", \"value\": 1}",
      {"missing.png", ""}, PLACIDO_SYSTEM},
   };
@@ -200,6 +240,40 @@ static void test_errors_name_file_line_and_field(void **state) {
     }
     assert_null(scene.image.data);
   }
+}
+
+static void test_conditions_are_kept(void **state) {
+  (void)state;
+  placido_scene scene;
+  assert_int_equal(load(&scene,
+                        "\"image\": \"e-lines\", \"luminance_cd_m2\": 3, \"distance_m\": 0.33, "
+                        "\"depth\": \"photo.png\", \"spectrum\": 589.3, \"tolerance\": 0.003, "
+                        "\"resampling\": \"bicubic\", \"allow_coarse\": true, "
+                        "\"chart\": {\"last_logmar\": 0.3}",
+                        NULL, NULL),
+                   PLACIDO_OK);
+  const placido_conditions *conditions = &scene.conditions;
+  assert_true(conditions->luminance_cd_m2 == 3);
+  assert_true(conditions->distance_m == 0.33);
+  assert_true(conditions->spectrum == PLACIDO_SPECTRUM_LINE);
+  assert_true(conditions->wavelength_nm == 589.3);
+  assert_true(conditions->tolerance == 0.003);
+  assert_non_null(strstr(conditions->depth_path, "/photo.png"));
+  assert_int_equal(scene.resampling, PLACIDO_RESAMPLING_BICUBIC);
+  assert_true(scene.allow_coarse);
+  assert_true(scene.arcmin_per_px == 0.5); /* a chart needs no calibration */
+  /* One line of 20/40: 9 letters of 10' (9.98') and 56' to a side, 14' above and below. */
+  assert_int_equal(scene.image.width_px - 2 * scene.bleed_px, 404);
+  assert_int_equal(scene.image.height_px - 2 * scene.bleed_px, 76);
+  placido_scene_free(&scene);
+  assert_int_equal(load(&scene, "\"image\": \"fan\", \"distance_m\": \"infinity\"", NULL, NULL),
+                   PLACIDO_OK);
+  assert_true(isnan(scene.conditions.luminance_cd_m2));
+  assert_true(isinf(scene.conditions.distance_m));
+  assert_true(scene.conditions.spectrum == PLACIDO_SPECTRUM_DISPLAY_SRGB);
+  assert_string_equal(scene.conditions.depth_path, "");
+  assert_true(scene.conditions.tolerance == 0.01);
+  placido_scene_free(&scene);
 }
 
 static void test_unknown_and_idle_fields_are_told(void **state) {
@@ -222,12 +296,14 @@ static void test_unknown_and_idle_fields_are_told(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_calibrations_are_what_geometry_says),
+    cmocka_unit_test(test_calibrations_hold_at_large_angles),
     cmocka_unit_test(test_photographs_become_linear_light),
     cmocka_unit_test(test_finer_scenes_are_brought_to_the_bucket),
     cmocka_unit_test(test_finer_charts_keep_their_size_and_lose_their_bleed),
     cmocka_unit_test(test_coarser_scenes_are_refused_with_the_numbers),
     cmocka_unit_test(test_charts_take_the_scene_s_calibration),
     cmocka_unit_test(test_errors_name_file_line_and_field),
+    cmocka_unit_test(test_conditions_are_kept),
     cmocka_unit_test(test_unknown_and_idle_fields_are_told),
   };
   return cmocka_run_group_tests_name("simulate_scene", tests, make_folder, remove_folder);

@@ -1,0 +1,85 @@
+/* A plane is cut into tiles only where it would not fit: overlap-save, the source of a tile reaching
+ * beyond it as far as the PSF does.
+ *
+ * A plane in one piece needs less padding: beyond its rim is nothing, so what spills over either
+ * side wraps into the same zeros. */
+#include "simulate/convolve/layout.h"
+
+#include "simulate/fft.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#define TILES_MAX 64 /* along an axis: a quarter of a thousand samples of the largest plane */
+
+static placido_axis whole(int length, int reach) {
+  return (placido_axis){.length = length,
+                        .reach = reach,
+                        .tiles = 1,
+                        .tile = length,
+                        .padded = placido_fft_fast_length(length + reach)};
+}
+
+static placido_axis cut(int length, int reach, int tiles) {
+  if (tiles == 1) {
+    return whole(length, reach);
+  }
+  placido_axis axis = {.length = length, .reach = reach, .lead = reach};
+  axis.padded = placido_fft_fast_length((length + tiles - 1) / tiles + 2 * reach);
+  axis.tile = axis.padded - 2 * reach;
+  axis.tiles = (length + axis.tile - 1) / axis.tile;
+  return axis;
+}
+
+static double padded_samples(const placido_axis *x, const placido_axis *y) {
+  return (double)x->padded * y->padded;
+}
+
+/* Whether a layout is better: it fits where the other does not, or costs less, or is smaller where
+ * neither fits. */
+static bool is_better(const placido_layout *one, const placido_layout *other, double samples_max) {
+  double size = padded_samples(&one->x, &one->y), other_size = padded_samples(&other->x, &other->y);
+  if (fmax(size, other_size) > samples_max) {
+    return size < other_size;
+  }
+  return size * one->x.tiles * one->y.tiles < other_size * other->x.tiles * other->y.tiles;
+}
+
+placido_layout placido_layout_find(int width, int height, int reach, double samples_max) {
+  /* A PSF wider than the plane: buckets farther out than the plane is long meet nothing. */
+  int reach_x = reach < width ? reach : width - 1, reach_y = reach < height ? reach : height - 1;
+  placido_layout best = {whole(width, reach_x), whole(height, reach_y)};
+  if (padded_samples(&best.x, &best.y) <= samples_max) {
+    return best;
+  }
+  placido_axis columns[TILES_MAX];
+  for (int i = 0; i < TILES_MAX; i++) {
+    columns[i] = cut(width, reach_x, i + 1);
+  }
+  for (int i = 0; i < TILES_MAX; i++) {
+    placido_layout layout = {.y = cut(height, reach_y, i + 1)};
+    for (int k = 0; k < TILES_MAX; k++) {
+      layout.x = columns[k];
+      if (is_better(&layout, &best, samples_max)) {
+        best = layout;
+      }
+    }
+  }
+  return best;
+}
+
+static int least(int a, int b) {
+  return a < b ? a : b;
+}
+
+placido_stretch placido_axis_stretch(const placido_axis *axis, int index) {
+  int first = index * axis->tile, begin = first - axis->lead;
+  int from = begin > 0 ? begin : 0;
+  int end = least(begin + axis->padded, axis->length);
+  return (placido_stretch){.first = first,
+                           .count = least(axis->tile, axis->length - first),
+                           .lead = axis->lead,
+                           .from = from,
+                           .used = end - from,
+                           .at = from - begin};
+}

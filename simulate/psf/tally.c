@@ -1,0 +1,181 @@
+/* Tally: light into buckets, by points or by area.
+ *
+ * A ray stands for a cell of the pupil, which the cornea's refraction maps to a small
+ * parallelogram on the retina; its light belongs to all of it. (The same idea carries density fields
+ * between cosmology's particles: Abel, Hahn and Kaehler, MNRAS 427 (2012) 61.) A box with the same
+ * variance along x and y stands in for it wherever it is smaller than a bucket: what is left out,
+ * the covariance, is of second order in the cell, as the parallelogram itself is. */
+#include "simulate/psf/tally.h"
+
+#include "base/dispatch.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+enum { PIECES_MAX = 1024 }; /* along a side, each up to one bucket long */
+
+int placido_tally_new(placido_tally *tally, int n, int rings, placido_error *err) {
+  size_t area = (size_t)n * (size_t)n;
+  *tally = (placido_tally){.n = n, .rings = rings};
+  tally->buckets = placido_memory_new(area + (size_t)rings, sizeof *tally->buckets, err);
+  if (tally->buckets == NULL) {
+    return PLACIDO_MEMORY;
+  }
+  tally->outside = tally->buckets + area;
+  return PLACIDO_OK;
+}
+
+void placido_tally_free(placido_tally *tally) {
+  if (tally != NULL) {
+    placido_memory_free(tally->buckets);
+    *tally = (placido_tally){0};
+  }
+}
+
+void placido_tally_merge(placido_tally *tally, const placido_tally *other) {
+  size_t count = (size_t)tally->n * (size_t)tally->n + (size_t)tally->rings;
+  for (size_t i = 0; i < count; i++) {
+    tally->buckets[i] += other->buckets[i];
+  }
+}
+
+static bool is_within(const placido_tally *tally, double x, double y) {
+  return x >= 0 && x < tally->n && y >= 0 && y < tally->n;
+}
+
+static void add_outside(placido_tally *tally, double x, double y, int64_t light) {
+  double middle = tally->n / 2.0;
+  double ring = floor(fmax(fabs(x - middle), fabs(y - middle)) + 0.5);
+  tally->outside[ring < tally->rings ? (int)ring : tally->rings - 1] += light;
+}
+
+static void add_point(placido_tally *tally, double x, double y, int64_t light) {
+  if (is_within(tally, x, y)) {
+    tally->buckets[(size_t)y * (size_t)tally->n + (size_t)x] += light;
+  } else {
+    add_outside(tally, x, y, light);
+  }
+}
+
+long placido_tally_count(placido_tally *tally, const placido_spots *spots) {
+  long within = 0;
+  for (size_t i = 0; i < spots->count; i++) {
+    if (isfinite(spots->x[i])) {
+      add_point(tally, spots->x[i], spots->y[i], (int64_t)spots->light[i]);
+      within += is_within(tally, spots->x[i], spots->y[i]);
+    }
+  }
+  return within;
+}
+
+/* The share of [first, first + width] that lies before `end`. */
+static double share_before(double end, double first, double width) {
+  double share = (end - first) / width;
+  return share > 0 ? fmin(share, 1) : 0; /* a width of nothing lies where it begins */
+}
+
+/* A box over any buckets, each piece's end rounded to whole units, so that their sum is `light`. */
+static void add_box(placido_tally *tally, double x, double y, double width, double height,
+                    double light) {
+  const double left = x - width / 2, top = y - height / 2;
+  const double last_column = floor(left + width), last_row = floor(top + height);
+  double done = 0;
+  for (double row = floor(top); row <= last_row; row++) {
+    double until = row == last_row ? light : floor(light * share_before(row + 1, top, height));
+    double rest = until - done, given = 0;
+    done = until;
+    for (double column = floor(left); column <= last_column; column++) {
+      double to = column == last_column ? rest
+                                        : floor(rest * share_before(column + 1, left, width));
+      add_point(tally, column + 0.5, row + 0.5, (int64_t)(to - given));
+      given = to;
+    }
+  }
+}
+
+/* A box that is no larger than a bucket and wholly within the buckets, so that it lies in at most
+ * four; false for any other. */
+PLACIDO_INSIDE bool add_small(const placido_tally *tally, double x, double y, double width,
+                              double height, double light) {
+  const double last = tally->n - 1, left = x - width / 2, top = y - height / 2;
+  if (!(width <= 1 && height <= 1 && left >= 0 && left < last && top >= 0 && top < last)) {
+    return false;
+  }
+  const size_t column = (size_t)left, row = (size_t)top, n = (size_t)tally->n;
+  double before = (double)(column + 1) - left, above = (double)(row + 1) - top;
+  double across = before < width ? before / width : 1, down = above < height ? above / height : 1;
+  double first = light * across;
+  int64_t whole = (int64_t)first, first_above = (int64_t)(first * down);
+  int64_t next = (int64_t)light - whole, next_above = (int64_t)((light - first) * down);
+  int64_t *bucket = tally->buckets + row * n + column;
+  bucket[0] += first_above;
+  bucket[1] += next_above;
+  bucket[n] += whole - first_above;
+  bucket[n + 1] += next - next_above;
+  return true;
+}
+
+static int pieces_of(double side_x, double side_y) {
+  double pieces = ceil(sqrt(side_x * side_x + side_y * side_y));
+  return pieces < PIECES_MAX ? (int)fmax(pieces, 1) : PIECES_MAX;
+}
+
+/* The parallelogram cut into pieces along both sides. */
+static void add_pieces(placido_tally *tally, const placido_spots *s, size_t i) {
+  const int na = pieces_of(s->ax[i], s->ay[i]), nb = pieces_of(s->bx[i], s->by[i]);
+  const double ax = s->ax[i] / na, ay = s->ay[i] / na, bx = s->bx[i] / nb, by = s->by[i] / nb;
+  const double width = sqrt(ax * ax + bx * bx), height = sqrt(ay * ay + by * by);
+  const double each = floor(s->light[i] / (na * nb));
+  double light = s->light[i] - each * (na * nb - 1); /* the first takes what is left over */
+  for (int k = 0; k < na; k++) {
+    double a = k - (na - 1) / 2.0, x = s->x[i] + a * ax, y = s->y[i] + a * ay;
+    for (int l = 0; l < nb; l++) {
+      double b = l - (nb - 1) / 2.0;
+      if (!add_small(tally, x + b * bx, y + b * by, width, height, light)) {
+        add_box(tally, x + b * bx, y + b * by, width, height, light);
+      }
+      light = each;
+    }
+  }
+}
+
+/* Boxes that are large, or not wholly within the buckets; what would cover all of them several times
+ * is a point. */
+static void add_any(placido_tally *tally, const placido_spots *s, size_t i) {
+  double reach_x = fabs(s->ax[i]) + fabs(s->bx[i]), reach_y = fabs(s->ay[i]) + fabs(s->by[i]);
+  double middle = tally->n / 2.0, reach_max = 2.0 * tally->n;
+  bool touches = fabs(s->x[i] - middle) < middle + reach_x &&
+                 fabs(s->y[i] - middle) < middle + reach_y;
+  if (!touches || !(reach_x < reach_max && reach_y < reach_max)) {
+    add_point(tally, s->x[i], s->y[i], (int64_t)s->light[i]);
+  } else if (s->width[i] <= 1 && s->height[i] <= 1) {
+    add_box(tally, s->x[i], s->y[i], s->width[i], s->height[i], s->light[i]);
+  } else {
+    add_pieces(tally, s, i);
+  }
+}
+
+PLACIDO_WIDE
+static void find_boxes(double *restrict width, double *restrict height, const double *restrict ax,
+                       const double *restrict ay, const double *restrict bx,
+                       const double *restrict by, size_t count) {
+  for (size_t i = 0; i < count; i++) {
+    width[i] = sqrt(ax[i] * ax[i] + bx[i] * bx[i]);
+    height[i] = sqrt(ay[i] * ay[i] + by[i] * by[i]);
+  }
+}
+
+long placido_tally_spread(placido_tally *tally, const placido_spots *s) {
+  long within = 0;
+  find_boxes(s->width, s->height, s->ax, s->ay, s->bx, s->by, s->count);
+  for (size_t i = 0; i < s->count; i++) {
+    if (add_small(tally, s->x[i], s->y[i], s->width[i], s->height[i], s->light[i])) {
+      within++;
+    } else if (isfinite(s->x[i])) {
+      add_any(tally, s, i);
+      within += is_within(tally, s->x[i], s->y[i]);
+    }
+  }
+  return within;
+}
