@@ -8,7 +8,6 @@
 
 #include <math.h>
 
-static const double default_index = 1.3375;
 static const double default_bucket_arcmin = 0.5;
 static const double seed_bucket_um = 2.5; /* D. Garcia, CWhatUC: "half a minute" */
 
@@ -24,7 +23,7 @@ static int check(double value, double min, double max, const char *name,
 int placido_eye_settle(placido_eye *settled, const placido_eye *eye, placido_error *err) {
   *settled = *eye;
   if (settled->index == 0) {
-    settled->index = default_index;
+    settled->index = PLACIDO_EYE_INDEX;
   }
   const double sphere_max_D = PLACIDO_SPHERE_MAX_D, cross_max_D = PLACIDO_CROSS_MAX_D;
   struct { double value, min, max; const char *name; } ranges[] = {

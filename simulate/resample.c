@@ -31,7 +31,7 @@ static double keys(double t) {
   return t < 2 ? a * (((t - 5) * t + 8) * t - 4) : 0;
 }
 
-/* Weight of the source pixel from `at` to `at` + 1 for the target pixel from `from`, `step` wide. */
+/* Weight of the source pixel from `at` to `at` + 1 for the target pixel `step` wide at `from`. */
 static double weight_of(enum placido_resampling resampling, int at, double from, double step) {
   if (resampling == PLACIDO_RESAMPLING_AREA) {
     return fmax(fmin(at + 1, from + step) - fmax(at, from), 0);
@@ -66,6 +66,7 @@ static void fill_tap(taps *axis, int i, int source_count, double from, double st
   }
 }
 
+/* What it got stays in `axis`, also where it fails. */
 static int make_taps(taps *axis, int count, int source_count, double from, double step,
                      enum placido_resampling resampling, placido_error *err) {
   double span = step + 2 * reach_of(resampling, step);
@@ -75,7 +76,6 @@ static int make_taps(taps *axis, int count, int source_count, double from, doubl
   axis->weights = placido_memory_new((size_t)count * (size_t)axis->room, sizeof *axis->weights,
                                      err);
   if (axis->first == NULL || axis->used == NULL || axis->weights == NULL) {
-    free_taps(axis);
     return PLACIDO_MEMORY;
   }
   for (int i = 0; i < count; i++) {
@@ -140,7 +140,8 @@ static void resample_plane(float *target, const float *source, int source_width,
 }
 
 int placido_resample(placido_image *target, const placido_image *source, double left, double top,
-                     double step, enum placido_resampling resampling, int threads, placido_error *err) {
+                     double step, enum placido_resampling resampling, int threads,
+                     placido_error *err) {
   work room = {0};
   size_t width = (size_t)target->width_px;
   int status = make_taps(&room.columns, target->width_px, source->width_px, left, step, resampling,

@@ -45,7 +45,7 @@ static int draw(placido_scene *scene, const placido_chart *chart, const placido_
     scene->arcmin_per_px = arcmin_per_px;
     scene->bleed_px = bleed;
     scene->bits = 8;
-    scene->conditions = placido_conditions_usual();
+    scene->conditions = placido_conditions_of(chart);
   }
   placido_image_free(&alone);
   return status;

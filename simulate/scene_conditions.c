@@ -22,9 +22,11 @@ static const struct {
   {"incandescent", PLACIDO_SPECTRUM_INCANDESCENT},
 };
 
-placido_conditions placido_conditions_usual(void) {
-  return (placido_conditions){.luminance_cd_m2 = NAN,
-                              .distance_m = INFINITY,
+placido_conditions placido_conditions_of(const placido_chart *chart) {
+  bool lit = chart != NULL && chart->luminance_cd_m2 > 0;
+  bool near = chart != NULL && chart->distance_m > 0;
+  return (placido_conditions){.luminance_cd_m2 = lit ? chart->luminance_cd_m2 : NAN,
+                              .distance_m = near ? chart->distance_m : INFINITY,
                               .spectrum = PLACIDO_SPECTRUM_DISPLAY_SRGB,
                               .wavelength_nm = NAN,
                               .tolerance = usual_tolerance};
@@ -110,7 +112,6 @@ static int read_depth(placido_conditions *conditions, const placido_json *json, 
 
 int placido_conditions_read(placido_conditions *conditions, const placido_json *json,
                             const char *path, placido_error *err) {
-  *conditions = placido_conditions_usual();
   int status = read_range(json, "luminance_cd_m2", 1e-6, 1e6, &conditions->luminance_cd_m2, err);
   if (status == PLACIDO_OK) {
     status = read_distance(conditions, json, err);

@@ -184,16 +184,17 @@ static int read_scene(placido_scene *scene, const placido_json *json, const char
   if (status == PLACIDO_OK) {
     status = read_seeing(scene, json, err);
   }
+  const placido_chart *chart = placido_chart_find(image);
   if (status == PLACIDO_OK) {
+    scene->conditions = placido_conditions_of(chart);
     status = placido_conditions_read(&scene->conditions, json, path, err);
   }
   if (status != PLACIDO_OK) {
     return status;
   }
   placido_conditions_tell(json, scene->name, notes);
-  return placido_chart_find(image) != NULL
-           ? read_chart(scene, image, chart_arcmin_per_px, json, notes, err)
-           : read_photograph(scene, path, image, json, notes, err);
+  return chart != NULL ? read_chart(scene, chart->name, chart_arcmin_per_px, json, notes, err)
+                       : read_photograph(scene, path, image, json, notes, err);
 }
 
 int placido_scene_read(placido_scene *scene, const char *path, double chart_arcmin_per_px,

@@ -3,13 +3,15 @@
 #define PLACIDO_SIMULATE_SCENE_FILE_H
 
 #include "base/json.h"
+#include "simulate/charts/chart.h"
 
 #include <placido/scene.h>
 
-/* Conditions of a scene that says nothing. */
-placido_conditions placido_conditions_usual(void);
+/* Conditions of a scene that says nothing: of a chart, or (NULL) of a photograph. */
+placido_conditions placido_conditions_of(const placido_chart *chart);
 
-/* Reads the optional fields about light, distance and tolerance; `path` is the scene file's.
+/* Reads the optional fields about light, distance and tolerance; those that are missing stay as
+ * they are. `path` is the scene file's.
  * Returns PLACIDO_OK, PLACIDO_INPUT, PLACIDO_SYSTEM (no such depth file). */
 int placido_conditions_read(placido_conditions *conditions, const placido_json *json,
                             const char *path, placido_error *err);

@@ -10,10 +10,10 @@
 
 /* Scales that differ by less than this are one: a monitor's distance is not known better. */
 static const double scale_tolerance = 1e-3;
+static const int threads_max = 256;
 static const int side_max_px = 16384; /* 4 GB of work for a colour picture */
 
-static int check(const placido_scene *scene, const placido_psf *psf, int threads,
-                 placido_error *err) {
+static int check(const placido_scene *scene, const placido_psf *psf, placido_error *err) {
   const placido_image *image = &scene->image;
   if (image->data == NULL || !(image->planes == 1 || image->planes == 3 || image->planes == 4)) {
     return placido_error_set(err, PLACIDO_INPUT, "scene %s: %d planes, expected 1, 3 or 4",
@@ -29,9 +29,6 @@ static int check(const placido_scene *scene, const placido_psf *psf, int threads
   if (scene->bleed_px < 0 || scene->bleed_px > side_max_px) {
     return placido_error_set(err, PLACIDO_INPUT, "scene %s: a bleed of %d px, expected 0 to %d",
                              scene->name, scene->bleed_px, side_max_px);
-  }
-  if (threads < 0 || threads > 256) {
-    return placido_error_set(err, PLACIDO_INPUT, "%d threads, expected 0 to 256", threads);
   }
   if (placido_scene_coarse(scene, psf) && !scene->allow_coarse) {
     return placido_error_set(err, PLACIDO_QUALITY,
@@ -140,10 +137,17 @@ static int bring_to_scale(source *from, const placido_scene *scene, const frame_
   return status;
 }
 
+/* How light is spread, and where what is to be said about it goes. */
+typedef struct spreading {
+  const placido_psf *psf;
+  const placido_convolution *how;
+  placido_notes *notes;
+} spreading;
+
 /* Spreads the light; where the picture has holes, its alpha too, as a picture of its own. */
-static int spread(placido_image *seen, const placido_image *image, const placido_psf *psf,
-                  bool holes, int threads, placido_error *err) {
-  int status = placido_convolve(seen, image, psf, threads, err);
+static int spread(placido_image *seen, const placido_image *image, const spreading *by, bool holes,
+                  placido_error *err) {
+  int status = placido_convolve_as(seen, image, by->psf, by->how, by->notes, err);
   if (status != PLACIDO_OK || !holes) {
     return status;
   }
@@ -151,7 +155,7 @@ static int spread(placido_image *seen, const placido_image *image, const placido
   alpha.planes = seen_alpha.planes = 1;
   alpha.data = placido_image_plane(image, 3);
   seen_alpha.data = placido_image_plane(seen, 3);
-  status = placido_convolve(&seen_alpha, &alpha, psf, threads, err);
+  status = placido_convolve_as(&seen_alpha, &alpha, by->psf, by->how, by->notes, err);
   if (status == PLACIDO_OK) {
     weigh_colours(seen, true);
   }
@@ -175,12 +179,14 @@ static void cut_bleed(placido_image *image, const frame_size *size) {
   image->height_px = size->height;
 }
 
-int placido_scene_see(placido_image *seen, const placido_scene *scene, const placido_psf *psf,
-                      int threads, placido_error *err) {
+int placido_scene_see_as(placido_image *seen, const placido_scene *scene, const placido_psf *psf,
+                         const placido_convolution *how, placido_notes *notes,
+                         placido_error *err) {
   source from = {.image = NULL};
   frame_size size = {0};
+  const spreading by = {psf, how, notes};
   *seen = (placido_image){0};
-  int status = check(scene, psf, threads, err);
+  int status = check(scene, psf, err);
   if (status == PLACIDO_OK) {
     status = find_size(scene, psf, &size, err);
   }
@@ -188,14 +194,14 @@ int placido_scene_see(placido_image *seen, const placido_scene *scene, const pla
     return status;
   }
   bool holes = has_holes(&scene->image);
-  threads = threads > 0 ? threads : 1;
+  int threads = how->threads > 0 && how->threads <= threads_max ? how->threads : 1;
   status = bring_to_scale(&from, scene, &size, holes, threads, err);
   if (status == PLACIDO_OK) {
     status = placido_image_new(seen, from.image->width_px, from.image->height_px,
                                from.image->planes, err);
   }
   if (status == PLACIDO_OK) {
-    status = spread(seen, from.image, psf, holes, threads, err);
+    status = spread(seen, from.image, &by, holes, err);
   }
   placido_image_free(&from.own);
   if (status != PLACIDO_OK) {
@@ -204,4 +210,15 @@ int placido_scene_see(placido_image *seen, const placido_scene *scene, const pla
   }
   cut_bleed(seen, &size);
   return PLACIDO_OK;
+}
+
+int placido_scene_see(placido_image *seen, const placido_scene *scene, const placido_psf *psf,
+                      int threads, placido_error *err) {
+  *seen = (placido_image){0};
+  if (threads < 0 || threads > threads_max) {
+    return placido_error_set(err, PLACIDO_INPUT, "%d threads, expected 0 to %d", threads,
+                             threads_max);
+  }
+  const placido_convolution how = {.threads = threads};
+  return placido_scene_see_as(seen, scene, psf, &how, NULL, err);
 }

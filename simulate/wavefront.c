@@ -22,6 +22,12 @@ static const double depth_min_mm = 5, depth_max_mm = 500;
 static const double usual_curvature = 1 / 7.8;
 static const double missing_worth_a_note = 0.001;
 
+/* Products of two terms of this order come out exact. */
+static int rings_least(int order) {
+  int needed = (2 * order + 3) / 3;
+  return needed > RINGS_MIN ? needed : RINGS_MIN;
+}
+
 static int settle(placido_wavefront *w, int *rings, placido_wavefront_options *settled,
                   const placido_eye *eye, const placido_wavefront_options *options,
                   placido_error *err) {
@@ -37,9 +43,11 @@ static int settle(placido_wavefront *w, int *rings, placido_wavefront_options *s
     return placido_error_set(err, PLACIDO_INPUT, "terms of order %d, expected 2 to %d",
                              settled->order, PLACIDO_WAVEFRONT_ORDER_MAX);
   }
-  if (settled->rays < 3 * RINGS_MIN * RINGS_MIN || settled->rays > 1000000) {
-    return placido_error_set(err, PLACIDO_INPUT, "%d rays, expected %d to 1000000", settled->rays,
-                             3 * RINGS_MIN * RINGS_MIN);
+  int least = 3 * rings_least(settled->order) * rings_least(settled->order);
+  if (settled->rays < least || settled->rays > 1000000) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "%d rays for terms of order %d, expected %d to 1000000",
+                             settled->rays, settled->order, least);
   }
   if (!(settled->missing_max >= 0 && settled->missing_max < 1)) {
     return placido_error_set(err, PLACIDO_INPUT, "a missing share of %g, expected 0 to below 1",

@@ -26,14 +26,14 @@ struct laps {
  * spline on the conicoid that fits them. */
 struct evaluation {
   placido_sample *samples;
-  placido_bundle rays;
+  placido_sightlines rays;
   placido_grid grid;
   double *coefficients;
   placido_target target;
 };
 
 static void evaluation_free(struct evaluation *e) {
-  placido_bundle_free(&e->rays);
+  placido_sightlines_free(&e->rays);
   placido_memory_free(e->samples);
   placido_memory_free(e->coefficients);
 }
@@ -48,10 +48,10 @@ static int evaluation_new(struct evaluation *e, const placido_mires *mires,
                                                      axis_z_mm, err)
                                : PLACIDO_MEMORY;
   if (status == PLACIDO_OK) {
-    status = placido_bundle_new(&e->rays, e->samples, mires->count, err);
+    status = placido_sightlines_new(&e->rays, e->samples, mires->count, err);
   }
   if (status == PLACIDO_OK) {
-    status = placido_bundle_fit_grid(&e->rays, &e->grid, err);
+    status = placido_sightlines_fit_grid(&e->rays, &e->grid, err);
   }
   if (status == PLACIDO_OK) {
     status = placido_conic_fit(&e->target.base, &e->rays, axis_z_mm, 1, err);
@@ -66,9 +66,9 @@ static int evaluate(struct bench_laps *laps, const placido_mires *mires,
   struct evaluation evaluation;
   const int status = evaluation_new(&evaluation, mires, sight, err);
   if (status == PLACIDO_OK) {
-    placido_bundle_trace(&evaluation.rays, &evaluation.target, 1);
+    placido_sightlines_trace(&evaluation.rays, &evaluation.target, 1);
     bench_lap_begin(laps);
-    placido_bundle_trace(&evaluation.rays, &evaluation.target, 1);
+    placido_sightlines_trace(&evaluation.rays, &evaluation.target, 1);
     bench_lap_end(laps);
   }
   evaluation_free(&evaluation);

@@ -111,7 +111,12 @@ static struct builder build_settings(const struct examination *examination) {
     put(&builder, "scenes", scenes);
     put_asked(&builder, "index", settings->index);
     put_asked(&builder, "retina_mm", settings->retina_mm);
+    put_asked(&builder, "axial_length_mm", settings->behind.axial_mm);
     put_asked(&builder, "samples", settings->samples);
+    put(&builder, "pattern", record_text(ray_pattern_name(settings->rays.pattern)));
+    put(&builder, "light", record_text(ray_light_name(settings->cwhatuc ? PLACIDO_LIGHT_COUNTED
+                                                                        : settings->rays.light)));
+    put_asked(&builder, "grow", settings->rays.grow);
     put_asked(&builder, "bucket_arcmin", settings->bucket_arcmin);
     put(&builder, "cwhatuc", json_boolean(settings->cwhatuc));
   }
@@ -270,16 +275,24 @@ static struct builder build_heights(const struct examination *examination) {
   return builder;
 }
 
-static struct builder build_pupil(const struct view *view) {
-  struct builder builder = builder_new();
-  double sphere_D, cylinder_D, axis_deg;
-  placido_correction_clinical(&view->psf.correction, &sphere_D, &cylinder_D, &axis_deg);
+static void put_lens(struct builder *builder, const struct prescription *lens) {
+  put_real(builder, "sphere_D", lens->sphere_D);
+  put_real(builder, "cylinder_D", lens->cylinder_D);
+  put_real(builder, "axis_deg", lens->axis_deg);
+}
+
+static struct builder build_pupil(const struct view *view, const struct settings *settings) {
+  struct builder builder = builder_new(), glasses = builder_new();
+  const struct prescription cornea = prescription_cornea(&view->psf.correction);
+  const struct prescription spectacles =
+      prescription_spectacles(settings, &view->psf.correction);
   put_real(&builder, "pupil_mm", view->psf.pupil_mm);
   put_text(&builder, "directory", view->directory);
   put_real(&builder, "strehl_g", view->psf.strehl_g);
-  put_real(&builder, "sphere_D", sphere_D);
-  put_real(&builder, "cylinder_D", cylinder_D);
-  put_real(&builder, "axis_deg", axis_deg);
+  put_lens(&builder, &cornea);
+  put_real(&glasses, "vertex_mm", spectacles.vertex_mm);
+  put_lens(&glasses, &spectacles);
+  put_object(&builder, "spectacles", glasses);
   put_real(&builder, "retina_mm", view->psf.retina_mm);
   put_integer(&builder, "rays_entered", view->psf.rays_entered);
   put_integer(&builder, "rays_landed", view->psf.rays_landed);
@@ -298,10 +311,11 @@ static struct builder build_seconds(const struct examination *examination) {
   return builder;
 }
 
-static void put_views(struct builder *builder, const struct views *views) {
+static void put_views(struct builder *builder, const struct views *views,
+                      const struct settings *settings) {
   json_t *pupils = json_array();
   for (size_t i = 0; i < views->count; i++) {
-    const struct builder pupil = build_pupil(&views->items[i]);
+    const struct builder pupil = build_pupil(&views->items[i], settings);
     builder->failed = builder->failed || pupil.failed;
     append(builder, pupils, pupil.object);
   }
@@ -334,7 +348,7 @@ static struct builder build_record(const struct examination *examination) {
     put_object(&builder, "maps", build_maps(&examination->maps));
   }
   if (examination->views.scene_count > 0) {
-    put_views(&builder, &examination->views);
+    put_views(&builder, &examination->views, examination->settings);
   }
   put_object(&builder, "seconds", build_seconds(examination));
   put_warnings(&builder, &examination->outcome->notes);

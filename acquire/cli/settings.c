@@ -11,7 +11,6 @@
 #endif
 
 #define FIELD(name) offsetof(struct settings, name)
-#define LENS_MAX_D 40.0
 #define MOTION_MAX_PX 200.0
 #define THREADS_MAX 256
 #define COUNT(rows) (sizeof(rows) / sizeof((rows)[0]))
@@ -29,31 +28,6 @@ int parse_distance(void *field, const struct option_row *row, const char *text,
   }
   *(struct distance *)field =
       (struct distance){.given = true, .value_mm = list.values[0], .sigma_mm = sigma};
-  return PLACIDO_OK;
-}
-
-/* "SPHERE,CYLINDER,AXIS" into a power vector (Thibos, Wheeler, Horner 1997, eq. 1-3). */
-static int parse_lens(void *field, const struct option_row *row, const char *text,
-                      placido_error *err) {
-  struct number_list list;
-  const int status = parse_tuple(&list, row, text, 3, 3, err);
-  if (status != PLACIDO_OK) {
-    return status;
-  }
-  const double pi = 3.14159265358979323846;
-  const double sphere = list.values[0], cylinder = list.values[1];
-  if (fabs(sphere) > LENS_MAX_D || fabs(cylinder) > LENS_MAX_D ||
-      fabs(sphere + 0.5 * cylinder) > LENS_MAX_D) {
-    return placido_error_set(err, STATUS_USAGE,
-                             "--%s %s: sphere, cylinder and their mean sphere range from -%g to "
-                             "%g D",
-                             row->name, text, LENS_MAX_D, LENS_MAX_D);
-  }
-  const double twice_axis = 2.0 * list.values[2] * pi / 180.0;
-  *(struct lens *)field = (struct lens){.given = true,
-                                        .power = {.m_D = sphere + 0.5 * cylinder,
-                                                  .j0_D = -0.5 * cylinder * cos(twice_axis),
-                                                  .j45_D = -0.5 * cylinder * sin(twice_axis)}};
   return PLACIDO_OK;
 }
 
@@ -159,18 +133,19 @@ static const struct option_row seeing_rows[] = {
      parse_number, 1.01, 2},
     {"rays", 0, "N", "Rays: a crosshatch of N×N and (N-1)×(N-1) over the pupil's square (default "
      "400; with --cwhatuc 100, its 19,801 points).", FIELD(samples), parse_integer, 2, 4000},
+    {"pattern", 0, "crosshatch|equal-area|quasi-random", "How the pupil is filled with rays: the "
+     "crosshatch (default), or as many inside the pupil as a sunflower or as a sequence of even "
+     "gaps.", FIELD(rays.pattern), parse_pattern, 0, 0},
+    {"light", 0, "spread|counted", "How rays become the point spread function: each one's light "
+     "spread over what its cell of the pupil becomes on the retina (default), or counted in the "
+     "bucket that it meets (with --cwhatuc).", FIELD(rays.light), parse_light, 0, 0},
+    {"grow", 0, "TIMES", "Where over 0.1 % of the light would fall outside, the point spread "
+     "function gets more buckets than its 257 a side, up to so many times (default 4; 1: never).",
+     FIELD(rays.grow), parse_number, 1, 15},
     {"bucket", 0, "ARCMIN", "Width of a bucket of the point spread function, minutes of arc "
      "(default 0.5).", FIELD(bucket_arcmin), parse_number, 0.01, 10},
     {"cwhatuc", 0, NULL, "As the program CWhatUC did it: buckets of 2.5 µm, each called half a "
      "minute.", FIELD(cwhatuc), parse_switch, 0, 0},
-};
-
-static const struct option_row eye_rows[] = {
-    {"retina", 0, "MM", "Distance of the retina from the cornea, mm (default: searched for the "
-     "best focus).", FIELD(retina_mm), parse_number, 5, 200},
-    {"correction", 0, "S,C,AXIS", "Correcting lens on the cornea: sphere and cylinder in dioptres, "
-     "axis in degrees (default: cylinder and axis searched for the best focus).",
-     FIELD(correction), parse_lens, -180, 180},
 };
 
 static const struct option_row wavefront_rows[] = {
@@ -289,7 +264,6 @@ const struct option_group options_general = {"General", general_rows, COUNT(gene
 const struct option_group options_directory = {"Output", directory_rows, COUNT(directory_rows)};
 const struct option_group options_measuring = {"Measuring", measuring_rows, COUNT(measuring_rows)};
 const struct option_group options_seeing = {"Seeing", seeing_rows, COUNT(seeing_rows)};
-const struct option_group options_eye = {"Eye", eye_rows, COUNT(eye_rows)};
 const struct option_group options_wavefront = {"Corneal wavefront", wavefront_rows,
                                                 COUNT(wavefront_rows)};
 const struct option_group options_session = {"Session", session_rows, COUNT(session_rows)};

@@ -3,8 +3,10 @@
 #define PLACIDO_CLI_SETTINGS_H
 
 #include "acquire/cli/exchange_settings.h"
+#include "acquire/cli/eye_settings.h"
 #include "acquire/cli/map_settings.h"
 #include "acquire/cli/options.h"
+#include "acquire/cli/ray_settings.h"
 #include "acquire/cli/take_settings.h"
 
 #include <placido/phantom.h>
@@ -14,11 +16,6 @@
 struct distance {
   bool given;
   double value_mm, sigma_mm;
-};
-
-struct lens {
-  bool given;
-  placido_correction power;
 };
 
 struct settings {
@@ -47,7 +44,8 @@ struct settings {
   double index, bucket_arcmin, retina_mm;
   int samples;
   bool cwhatuc;
-  struct lens correction;
+  struct ray_settings rays;
+  struct eye_settings behind; /* the cornea */
 
   /* the corneal wavefront */
   struct number_list wavefront_mm, wavefront_centre_mm; /* pupils; x and y */
@@ -92,10 +90,13 @@ struct settings {
 };
 
 /* The option tables, in the order in which help shows them. */
-extern const struct option_group options_general, options_measuring, options_seeing, options_eye, options_wavefront,
+extern const struct option_group options_general, options_measuring, options_seeing, options_wavefront,
     options_directory, options_phantom, options_devices, options_simulated,
     options_session,
     options_calibrate, options_verify;
+
+/* In eye_settings.c. */
+extern const struct option_group options_eye;
 
 /* In exchange_settings.c. */
 extern const struct option_group options_import, options_export;

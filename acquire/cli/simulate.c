@@ -19,10 +19,14 @@ const struct command command_simulate = {
     .usage = "SURFACE.json -o DIR [OPTION...]",
     .examples =
         "  placido simulate exam/surface.json --pupils 2,4,8 -o seen\n"
-        "  placido simulate eye.json --pupils 4 --correction 0,0,0 -o seen\n"
-        "      without a lens: only the retina's distance is searched\n"
-        "  placido simulate eye.json --pupils 6 --retina 24 --correction -2.5,-0.75,90 -o seen\n"
-        "      nothing is searched\n",
+        "  placido simulate eye.json --pupils 4 --correct sphere -o seen\n"
+        "      without a cylinder: only the retina's distance is searched\n"
+        "  placido simulate eye.json --axial-length 25.1 -o seen\n"
+        "      the lens that this eye of known length needs\n"
+        "  placido simulate eye.json --axial-length 25.1 --correct none -o seen\n"
+        "      and what it sees without one\n"
+        "  placido simulate eye.json --axial-length 25.1 --wear \"-2.5 -0.75 90 @12\" -o seen\n"
+        "      and with these spectacles: nothing is searched\n",
     .groups = groups,
     .list = views_list_charts,
     .needs_word = "SURFACE.json (placido-surface/1)",

@@ -4,6 +4,10 @@
 #include "acquire/cli/figures.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define LENS_SIZE 64
 
 static void print_frames(const struct examination *examination) {
   const struct combination *combination = &examination->combination;
@@ -41,18 +45,27 @@ static void print_index(const struct settings *settings, const placido_index_val
   }
 }
 
-static void print_view(const struct settings *settings, const struct view *view) {
-  double sphere_D, cylinder_D, axis_deg;
-  placido_correction_clinical(&view->psf.correction, &sphere_D, &cylinder_D, &axis_deg);
-  if (isfinite(axis_deg)) {
-    say(settings,
-        "pupil %g mm: lens %+.2f %+.2f × %.0f°, retina at %.3f mm, Strehl (geometric) %.4f",
-        view->psf.pupil_mm, sphere_D, cylinder_D, axis_deg, view->psf.retina_mm,
-        view->psf.strehl_g);
+/* "-2.50 -0.75 × 90°"; clinics write an axis of 0 as 180. */
+static void write_lens(char text[LENS_SIZE], const struct prescription *lens) {
+  const double axis = lens->axis_deg < 0.5 ? 180.0 : lens->axis_deg;
+  if (isfinite(lens->axis_deg)) {
+    snprintf(text, LENS_SIZE, "%+.2f %+.2f × %.0f°", lens->sphere_D, lens->cylinder_D, axis);
   } else {
-    say(settings, "pupil %g mm: lens %+.2f, retina at %.3f mm, Strehl (geometric) %.4f",
-        view->psf.pupil_mm, sphere_D, view->psf.retina_mm, view->psf.strehl_g);
+    snprintf(text, LENS_SIZE, "%+.2f", lens->sphere_D);
   }
+}
+
+static void print_view(const struct settings *settings, const struct view *view) {
+  char cornea[LENS_SIZE], spectacles[LENS_SIZE];
+  const placido_psf *psf = &view->psf;
+  const struct prescription near = prescription_cornea(&psf->correction);
+  const struct prescription far = prescription_spectacles(settings, &psf->correction);
+  write_lens(cornea, &near);
+  write_lens(spectacles, &far);
+  const bool same = strcmp(cornea, spectacles) == 0 || isnan(far.sphere_D);
+  say(settings, "pupil %g mm: lens %s%s%s%s, retina at %.3f mm, Strehl (geometric) %.4f",
+      psf->pupil_mm, cornea, same ? "" : " (", same ? "" : spectacles,
+      same ? "" : " as spectacles)", psf->retina_mm, psf->strehl_g);
 }
 
 void summary_print(const struct examination *examination) {

@@ -67,7 +67,8 @@ static int check_seeing(const struct settings *settings, placido_error *err) {
     return placido_error_set(err, STATUS_USAGE,
                              "--cwhatuc has buckets of its own: leave --bucket out");
   }
-  return check_pupils(&settings->pupils_mm, err);
+  const int status = eye_settings_check(settings, err);
+  return status == PLACIDO_OK ? check_pupils(&settings->pupils_mm, err) : status;
 }
 
 /* Charts are drawn as finely as the PSF's buckets ask for, but no coarser than usual; 0: usual. */
@@ -102,17 +103,14 @@ static int see_psf(struct examination *examination, struct view *view, double pu
   const struct settings *settings = examination->settings;
   struct stages *stages = &examination->outcome->stages;
   stages_next(stages, "psf %g mm", pupil_mm);
-  const placido_eye eye = {.pupil_mm = pupil_mm,
-                           .index = settings->index,
-                           .retina_mm = settings->retina_mm,
-                           .correct = !settings->correction.given,
-                           .correction = settings->correction.power};
-  const placido_optics optics = {.samples = settings->samples,
-                                 .bucket_arcmin = settings->bucket_arcmin,
-                                 .cwhatuc = settings->cwhatuc,
-                                 .threads = examination->threads};
-  const int status = placido_psf_new(&view->psf, NULL, examination->surface, &eye, &optics,
-                                     &examination->outcome->notes, err);
+  placido_eye eye;
+  int status = eye_settings_read(&eye, settings, pupil_mm, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  const placido_optics optics = ray_settings_read(settings, examination->threads);
+  status = placido_psf_new(&view->psf, NULL, examination->surface, &eye, &optics,
+                           &examination->outcome->notes, err);
   name_pupil(view->directory, pupil_mm);
   view->seconds = stages_elapsed(stages);
   return status;

@@ -33,8 +33,8 @@ typedef struct placido_acuity_options {
   double criterion;          /* share of right answers, between chance and 1 [the test's] */
   double noise;              /* of the observer, in units of contrast times degree times the neural
                                 filter's gain [such that mean eyes of 3 to 4 mm have -0.1] */
-  double proportional_noise; /* share of the letter's energy that is noise, as an amplitude; negative:
-                                none, Watson and Ahumada's own model */
+  double proportional_noise; /* noise for each unit of the letter's own, up to what it is for a letter
+                                of some minutes; negative: none, Watson and Ahumada's own model */
   double observer_spread;    /* standard deviation of the noise among people, decades [0.1] */
   double smallest_logmar, largest_logmar; /* of the chart, -1 to 2.5 [-0.5 and 1.7, where both are 0] */
   int trials;  /* 64 to 1,000,000 [4096]; the error that they leave is reported */
@@ -72,7 +72,7 @@ typedef struct placido_acuity {
   double sigma_optics;   /* what the variants of the PSF make of it; NaN: none were given */
 } placido_acuity;
 
-/* The acuity through `psf`, of any bucket: rays (psf->rays > 0; its pupil's diffraction at 555 nm is
+/* The acuity through `psf`, of any bucket: of rays (its pupil's diffraction at 555 nm is
  * put in) or diffraction. Each of the `count` `variants` (may be NULL) is a PSF moved by one
  * independent standard deviation: their changes' squares add up to that of sigma_optics.
  * A PSF with buckets of more than a minute of arc cannot tell good acuities apart.

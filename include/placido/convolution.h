@@ -12,9 +12,9 @@
 /* How it is computed; zero means the default in brackets. */
 typedef struct placido_convolution {
   bool doubles;              /* transforms in double precision, for twice the time and memory */
-  double memory_MB;          /* most memory for one padded plane, above 0 [1024]: larger planes go
-                                in tiles. A thread takes one such plane (two for sums), a PSF's
-                                transform another */
+  double memory_MB;          /* most memory for one padded tile, above 0 [1024]; no tile is less than
+                                a 64th of a plane's side. A thread takes one tile (two for sums), a
+                                PSF's transform another */
   const char *wisdom_folder; /* transforms measured for this machine, and what was measured kept in
                                 this folder: faster, but rounding then depends on it; [NULL: plans
                                 are estimated, and results are the same bits each time] */
@@ -54,7 +54,7 @@ int placido_convolver_new(placido_convolver **convolver, int width_px, int heigh
 void placido_convolver_free(placido_convolver *convolver);
 
 /* The PSF's values are copied; a bucket is a pixel. A PSF with all its light in one bucket needs no
- * transform: it shifts a plane, exact to the bit. Returns PLACIDO_OK, PLACIDO_INPUT (it reaches
+ * transform: it shifts a plane, exactly. Returns PLACIDO_OK, PLACIDO_INPUT (it reaches
  * farther than the convolver, or has buckets that are not finite), PLACIDO_MEMORY. */
 int placido_transfer_new(placido_transfer **transfer, const placido_convolver *convolver,
                          const placido_psf *psf, placido_error *err);

@@ -4,6 +4,8 @@
 
 #include <placido/status.h>
 
+#define PLACIDO_EYE_INDEX 1.3375 /* keratometric: has the cornea's back surface in it */
+
 /* A thin lens on the cornea, in power-vector form: dioptres, J0 and J45 of its cross-cylinder
  * (Thibos, Wheeler, Horner, Optom. Vis. Sci. 74 (1997) 367). */
 typedef struct placido_correction {
@@ -38,7 +40,7 @@ enum placido_correct {
 typedef struct placido_eye {
   double pupil_mm;             /* diameter of the entrance pupil, 0.1 to 12; no default */
   double pupil_x_mm, pupil_y_mm;
-  double index;                /* refractive index behind the surface [1.3375] */
+  double index;                /* refractive index behind the surface [PLACIDO_EYE_INDEX] */
   double retina_mm;            /* distance from the surface's point on the axis; [searched] */
   enum placido_correct correct;
   placido_correction correction; /* worn; what is searched of it replaces it */

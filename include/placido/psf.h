@@ -43,7 +43,7 @@ typedef struct placido_optics {
 } placido_optics;
 
 /* A point spread function as the patient sees it: row 0 is up, column 0 is left in the visual
- * field. Values sum to the share of the entered rays' light that landed within it. */
+ * field. Values sum to the share of the entered rays that landed within it. */
 typedef struct placido_psf {
   int n;
   double bucket_arcmin, bucket_um;
@@ -57,7 +57,7 @@ typedef struct placido_psf {
   long rays_missed;          /* inside the pupil and not entered; never silently dropped. Of these: */
   long rays_grazed;          /* met the surface from behind or at more than 80 degrees */
   long rays_reflected;       /* totally; what is left of rays_missed is beside the surface */
-  double outside;            /* share of the entered light that fell outside the PSF */
+  double outside;            /* share of the entered rays that fell outside the PSF */
   double strehl_g;           /* largest value over the sum of all; counted: the fullest bucket's
                                 count divided by rays_landed */
   double centre_x_um, centre_y_um; /* retinal point at the middle of the centre bucket: the point of

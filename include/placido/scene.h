@@ -2,6 +2,7 @@
 #ifndef PLACIDO_SCENE_H
 #define PLACIDO_SCENE_H
 
+#include <placido/convolution.h>
 #include <placido/image.h>
 #include <placido/notes.h>
 #include <placido/psf.h>
@@ -80,8 +81,14 @@ bool placido_scene_coarse(const placido_scene *scene, const placido_psf *psf);
  * hole does not darken its rim. `seen` gets linear light; free with placido_image_free. A scene
  * coarser than the bucket is refused with the reason, unless it says allow_coarse: then its pixels
  * are squares of even light (area), or interpolated (bicubic).
- * Returns PLACIDO_OK, PLACIDO_INPUT, PLACIDO_QUALITY, PLACIDO_MEMORY. */
+ * `threads` 0: one. Returns PLACIDO_OK, PLACIDO_INPUT, PLACIDO_QUALITY, PLACIDO_MEMORY. */
 int placido_scene_see(placido_image *seen, const placido_scene *scene, const placido_psf *psf,
                       int threads, placido_error *err);
+
+/* The same, convolved as said: in double precision, in tiles, with what was measured before.
+ * `notes` (may be NULL) gets what became of `how`. */
+int placido_scene_see_as(placido_image *seen, const placido_scene *scene, const placido_psf *psf,
+                         const placido_convolution *how, placido_notes *notes,
+                         placido_error *err);
 
 #endif

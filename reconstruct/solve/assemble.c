@@ -128,7 +128,7 @@ static void assemble_cell(double *rights, const placido_refinement *r, int colum
   (void)rights;
   (void)context;
   const placido_grid *grid = r->shape.grid;
-  const placido_bundle *rays = r->rays;
+  const placido_sightlines *rays = r->rays;
   size_t c = (size_t)row * (size_t)grid->cells + (size_t)column, end = rays->starts[c + 1];
   double block[CELL * CELL], right[CELL] = {0};
   struct rows rows;
@@ -181,7 +181,7 @@ static void for_each_cell(double *rights, const placido_refinement *r, cell_visi
 }
 
 void placido_refinement_assemble(placido_refinement *r) {
-  placido_bundle_sort(r->rays, r->shape.grid);
+  placido_sightlines_sort(r->rays, r->shape.grid);
   placido_normal_clear(r->normal);
   for_each_cell(NULL, r, assemble_cell, NULL);
   placido_normal_smooth(r->normal, r->smoothing, r->coefficients);
@@ -199,7 +199,7 @@ struct push {
 static void push_edges(double *corner, size_t n, const placido_refinement *r,
                        const struct rows *rows, const size_t *which, int count,
                        const placido_mires *mires) {
-  const placido_bundle *rays = r->rays;
+  const placido_sightlines *rays = r->rays;
   int side = r->shape.grid->side;
   for (int k = 0; k < count;) {
     double sum[CELL] = {0};
@@ -258,6 +258,6 @@ static void push_cell(double *rights, const placido_refinement *r, int column, i
 void placido_refinement_push(double *rights, const placido_refinement *r,
                              const placido_mires *mires, const double *errors, int columns) {
   const struct push push = {mires, errors, columns};
-  placido_bundle_sort(r->rays, r->shape.grid);
+  placido_sightlines_sort(r->rays, r->shape.grid);
   for_each_cell(rights, r, push_cell, &push);
 }

@@ -21,7 +21,7 @@ int placido_solution_modes(const placido_fit_options *options) {
 /* The conicoid is found from every stride-th sample: it has four unknowns. */
 static int find_base(placido_solution *p, placido_error *err) {
   size_t stride = p->count / BASE_POINTS + 1, few = 0;
-  placido_bundle rays = {0};
+  placido_sightlines rays = {0};
   placido_sample *some = placido_memory_new(p->count / stride + 1, sizeof *some, err);
   if (!some) {
     return PLACIDO_MEMORY;
@@ -29,11 +29,11 @@ static int find_base(placido_solution *p, placido_error *err) {
   for (size_t i = 0; i < p->count; i += stride) {
     some[few++] = p->samples[i];
   }
-  int status = placido_bundle_new(&rays, some, few, err);
+  int status = placido_sightlines_new(&rays, some, few, err);
   if (!status) {
     status = placido_conic_fit(&p->base, &rays, p->axis.z_mm, p->threads, err);
   }
-  placido_bundle_free(&rays);
+  placido_sightlines_free(&rays);
   placido_memory_free(some);
   return status;
 }
@@ -44,8 +44,8 @@ int placido_solution_base(placido_solution *p, placido_error *err) {
     return status;
   }
   placido_target target = {.base = p->base};
-  placido_bundle_trace(&p->rays, &target, p->threads);
-  placido_bundle_tell(&p->rays);
+  placido_sightlines_trace(&p->rays, &target, p->threads);
+  placido_sightlines_tell(&p->rays);
   p->reach_mm = 0;
   for (size_t i = 0; i < p->count; i++) {
     const placido_sample *s = &p->samples[i];
@@ -55,7 +55,7 @@ int placido_solution_base(placido_solution *p, placido_error *err) {
   }
   int modes = placido_solution_modes(p->options);
   if (modes > 0) {
-    placido_bundle_tell_all(&p->rays, &target, p->threads);
+    placido_sightlines_tell_all(&p->rays, &target, p->threads);
     p->geometry_px = placido_geometry_rough(p->samples, p->count, p->mires, p->instrument,
                                             p->options->geometry, modes);
   }

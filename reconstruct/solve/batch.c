@@ -9,14 +9,14 @@
 #define CELL PLACIDO_SPLINE_CELL
 #define LANES 8
 
-void placido_batch_gather(placido_batch *b, const placido_bundle *bundle, const size_t *which,
-                          int count) {
+void placido_batch_gather(placido_batch *b, const placido_sightlines *sightlines,
+                          const size_t *which, int count) {
   b->count = count;
   b->lanes = (count + LANES - 1) / LANES * LANES;
   for (int k = 0; k <= PLACIDO_RAY_PLACE_Y; k++) {
     if (k <= PLACIDO_RAY_T || k >= PLACIDO_RAY_PLACE_X) {
       for (int i = 0; i < b->lanes; i++) {
-        b->in[k][i] = bundle->numbers[k][which[i < b->count ? i : b->count - 1]];
+        b->in[k][i] = sightlines->numbers[k][which[i < b->count ? i : b->count - 1]];
       }
     }
   }
@@ -107,8 +107,8 @@ PLACIDO_WIDE static void mirror(placido_batch *b, double origin_z_mm, bool moves
     placido_miss miss;
     placido_mirror_miss_inside(&miss, &ray, &hit, b->in[PLACIDO_RAY_EDGE_RADIUS][i],
                                b->in[PLACIDO_RAY_EDGE_Z][i]);
-    double slope = b->in[PLACIDO_RAY_NOISE][i] *
-                   sqrt(miss.by_u * miss.by_u + miss.by_v * miss.by_v);
+    double slope =
+        b->in[PLACIDO_RAY_NOISE][i] * sqrt(miss.by_u * miss.by_u + miss.by_v * miss.by_v);
     double share = 1 / slope;
     b->f[i] = miss.f;
     b->by_z[i] = miss.by_z;
@@ -137,12 +137,12 @@ void placido_batch_evaluate(placido_batch *b, const placido_conicoid *base,
   mirror(b, origin_z_mm, moves_origin);
 }
 
-void placido_batch_scatter(const placido_batch *b, placido_bundle *bundle,
+void placido_batch_scatter(const placido_batch *b, placido_sightlines *sightlines,
                            const size_t *which) {
   for (int k = PLACIDO_RAY_T; k < PLACIDO_RAY_NUMBERS; k++) {
     if (k < PLACIDO_RAY_PLACE_X || k > PLACIDO_RAY_PLACE_Y) {
       for (int i = 0; i < b->count; i++) {
-        bundle->numbers[k][which[i]] = b->in[k][i];
+        sightlines->numbers[k][which[i]] = b->in[k][i];
       }
     }
   }

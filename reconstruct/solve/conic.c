@@ -13,7 +13,7 @@ static const double STARTS[PARAMETERS] = {7.8, 0, 0, 0};
 
 /* A fit on its way. */
 struct fit {
-  placido_bundle *rays;
+  placido_sightlines *rays;
   double axis_z_mm, scale; /* in px: where the loss bends */
   int threads;
 };
@@ -39,7 +39,7 @@ static double loss(const struct fit *fit, const double v[PARAMETERS], double *sh
   const double *residual_px = fit->rays->numbers[PLACIDO_RAY_RESIDUAL_PX];
   double sum = 0;
   size_t met = 0, count = fit->rays->count;
-  placido_bundle_trace(fit->rays, &target, fit->threads);
+  placido_sightlines_trace(fit->rays, &target, fit->threads);
   for (size_t i = 0; i < count; i++) {
     double r = residual_px[i] / fit->scale;
     met += !isnan(r);
@@ -50,7 +50,7 @@ static double loss(const struct fit *fit, const double v[PARAMETERS], double *sh
 }
 
 /* A residual's derivative by each parameter, from the difference of the jets on either side. */
-static void slopes(const placido_bundle *rays, size_t i,
+static void slopes(const placido_sightlines *rays, size_t i,
                    placido_conicoid sides[PARAMETERS][2], double out[PARAMETERS]) {
   double *const *n = rays->numbers;
   double t = n[PLACIDO_RAY_T][i];
@@ -145,7 +145,7 @@ static bool improve(const struct fit *fit, double v[PARAMETERS], double *cost) {
   return false;
 }
 
-int placido_conic_fit(placido_conicoid *conicoid, placido_bundle *rays, double axis_z_mm,
+int placido_conic_fit(placido_conicoid *conicoid, placido_sightlines *rays, double axis_z_mm,
                       int threads, placido_error *err) {
   double v[PARAMETERS] = {STARTS[0], STARTS[1], STARTS[2], STARTS[3]}, share = 0;
   struct fit fit = {.rays = rays, .axis_z_mm = axis_z_mm, .threads = threads};

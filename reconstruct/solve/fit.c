@@ -153,7 +153,7 @@ static int check_options(const placido_fit_options *options, const placido_instr
 
 static void forget(placido_solution *p) {
   placido_refinement_free(&p->refinement);
-  placido_bundle_free(&p->rays);
+  placido_sightlines_free(&p->rays);
   placido_memory_free(p->samples);
   p->samples = NULL;
   p->shift = 0;
@@ -168,7 +168,7 @@ static int fit_points(placido_solution *p, placido_grid *grid, placido_notes *no
   if (!status) {
     status = placido_numbering_doubt(p->samples, p->count, p->mires, &doubtful, err);
   }
-  if (!status && !(status = placido_bundle_new(&p->rays, p->samples, p->count, err))) {
+  if (!status && !(status = placido_sightlines_new(&p->rays, p->samples, p->count, err))) {
     status = placido_solution_robust(p, grid, notes, err);
   }
   return status;

@@ -31,7 +31,7 @@ static int steps_of(const placido_fit_options *options) {
 
 /* A fresh refinement of some rays on a grid. */
 static int refinement_of(placido_refinement *r, const placido_solution *p, const placido_grid *grid,
-                         placido_bundle *rays, placido_error *err) {
+                         placido_sightlines *rays, placido_error *err) {
   const placido_fit_options *o = p->options;
   return placido_refinement_new(r, &p->base, grid, rays, smoothing_of(o), steps_of(o), p->threads,
                                 err);
@@ -53,7 +53,7 @@ static size_t thin_out(placido_sample *some, const placido_solution *p) {
  * do not help are given up again: then it is the instrument's geometry that does not fit, not the
  * spline. Leaves the chosen grid's refinement, where the one of all samples starts. */
 static int explore(placido_refinement *coarse, placido_grid *grid, placido_solution *p,
-                   placido_bundle *rays, placido_error *err) {
+                   placido_sightlines *rays, placido_error *err) {
   double asked = p->options ? p->options->knot_mm : 0;
   placido_refinement finer = {0};
   placido_grid finer_grid;
@@ -97,7 +97,7 @@ static bool may_continue(const placido_solution *p) {
 
 /* From the previous frame's fit, where that is near enough: else `coarse` stays empty. */
 static int continue_start(placido_refinement *coarse, placido_grid *grid, placido_solution *p,
-                          placido_bundle *rays, placido_error *err) {
+                          placido_sightlines *rays, placido_error *err) {
   const placido_fit_options *o = p->options;
   const placido_warm_options warm = {.axis_z_mm = p->axis.z_mm,
                                      .margin_mm = MARGIN_MM,
@@ -112,11 +112,11 @@ static int continue_start(placido_refinement *coarse, placido_grid *grid, placid
 
 int placido_solution_spline(placido_solution *p, placido_grid *grid, placido_error *err) {
   placido_refinement coarse = {0};
-  placido_bundle rays = {0};
+  placido_sightlines rays = {0};
   placido_sample *some = placido_memory_new(p->count, sizeof *some, err);
   int status = some ? PLACIDO_OK : PLACIDO_MEMORY;
   if (!status) {
-    status = placido_bundle_new(&rays, some, thin_out(some, p), err);
+    status = placido_sightlines_new(&rays, some, thin_out(some, p), err);
   }
   if (!status && may_continue(p)) {
     status = continue_start(&coarse, grid, p, &rays, err);
@@ -138,7 +138,7 @@ int placido_solution_spline(placido_solution *p, placido_grid *grid, placido_err
     placido_refinement_trace(&p->refinement);
   }
   placido_refinement_free(&coarse);
-  placido_bundle_free(&rays);
+  placido_sightlines_free(&rays);
   placido_memory_free(some);
   return status;
 }
@@ -158,7 +158,7 @@ static int try_shift(double *spread_px, const placido_solution *p, int shift, pl
   q.count = status ? 0 : mires.count;
   if (status || q.count < PLACIDO_POINTS_MIN / EXPLORE_STRIDE ||
       (status = placido_samples_new(&q.samples, &mires, p->instrument, p->axis.z_mm, err)) ||
-      (status = placido_bundle_new(&q.rays, q.samples, q.count, err)) ||
+      (status = placido_sightlines_new(&q.rays, q.samples, q.count, err)) ||
       (status = placido_solution_base(&q, err))) {
     goto done;
   }
@@ -169,7 +169,7 @@ static int try_shift(double *spread_px, const placido_solution *p, int shift, pl
   }
 done:
   placido_refinement_free(&q.refinement);
-  placido_bundle_free(&q.rays);
+  placido_sightlines_free(&q.rays);
   placido_memory_free(q.samples);
   placido_mires_free(&mires);
   return status == PLACIDO_QUALITY ? PLACIDO_OK : status;

@@ -16,7 +16,7 @@
 #define ROUNDING 1e-7 /* a rise of the cost as small as this is no rise */
 
 int placido_refinement_new(placido_refinement *r, const placido_conicoid *base,
-                           const placido_grid *grid, placido_bundle *rays, double smoothing,
+                           const placido_grid *grid, placido_sightlines *rays, double smoothing,
                            int steps_max, int threads, placido_error *err) {
   *r = (placido_refinement){.shape = {.base = *base, .grid = grid},
                             .rays = rays,
@@ -27,7 +27,7 @@ int placido_refinement_new(placido_refinement *r, const placido_conicoid *base,
                             .threads = threads};
   int status = placido_normal_new(&r->normal, grid, err);
   if (!status) {
-    status = placido_bundle_fit_grid(rays, grid, err);
+    status = placido_sightlines_fit_grid(rays, grid, err);
   }
   if (!status) {
     r->coefficients = placido_memory_new((size_t)grid->side * (size_t)grid->side,
@@ -50,9 +50,9 @@ void placido_refinement_free(placido_refinement *r) {
   *r = (placido_refinement){0};
 }
 
-int placido_refinement_aim(placido_refinement *r, placido_bundle *rays, placido_error *err) {
+int placido_refinement_aim(placido_refinement *r, placido_sightlines *rays, placido_error *err) {
   double *work = placido_memory_new(rays->count, sizeof *work, err);
-  int status = work ? placido_bundle_fit_grid(rays, r->shape.grid, err) : PLACIDO_MEMORY;
+  int status = work ? placido_sightlines_fit_grid(rays, r->shape.grid, err) : PLACIDO_MEMORY;
   if (status) {
     placido_memory_free(work);
     return status;
@@ -74,7 +74,7 @@ static double loss(double residual) {
 
 static void trace(placido_refinement *r) {
   r->told = false;
-  placido_bundle_trace(r->rays, &r->shape, r->threads);
+  placido_sightlines_trace(r->rays, &r->shape, r->threads);
 }
 
 /* The cost at the present sigma. Points whose ray misses cost as much as far outliers, so that a
@@ -137,12 +137,12 @@ static int descend(placido_refinement *r, double *step, double *fell, placido_er
 }
 
 void placido_refinement_trace(placido_refinement *r) {
-  placido_bundle_hear(r->rays);
+  placido_sightlines_hear(r->rays);
   if (!r->traced) {
     trace(r);
     r->traced = true;
   }
-  placido_bundle_tell(r->rays);
+  placido_sightlines_tell(r->rays);
 }
 
 int placido_refinement_run(placido_refinement *r, double settled, placido_error *err) {
@@ -150,7 +150,7 @@ int placido_refinement_run(placido_refinement *r, double settled, placido_error 
   double *step = placido_memory_new(n, sizeof *step, err);
   int status = step ? PLACIDO_OK : PLACIDO_MEMORY;
   double fell = 1, next = 1; /* of the cost in a step, and what is expected of one more */
-  placido_bundle_hear(r->rays);
+  placido_sightlines_hear(r->rays);
   if (!r->traced) {
     trace(r);
     r->traced = true;
@@ -166,7 +166,7 @@ int placido_refinement_run(placido_refinement *r, double settled, placido_error 
     status = descend(r, step, &fell, err);
     next = fell * (fell < NEAR ? fmax(RATE, i > 0 ? fell / before : 0) : 1);
   }
-  placido_bundle_tell(r->rays);
+  placido_sightlines_tell(r->rays);
   if (!status && !(fmin(fell, next) < 10 * settled)) {
     status = placido_error_set(err, PLACIDO_QUALITY,
                                "the surface did not settle within %d steps", r->steps_max);
@@ -182,7 +182,7 @@ int placido_refinement_run(placido_refinement *r, double settled, placido_error 
 
 void placido_refinement_tell(placido_refinement *r) {
   if (!r->told) {
-    placido_bundle_tell_all(r->rays, &r->shape, r->threads);
+    placido_sightlines_tell_all(r->rays, &r->shape, r->threads);
     r->told = true;
   }
 }

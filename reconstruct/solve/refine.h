@@ -2,7 +2,7 @@
 #ifndef PLACIDO_SOLVE_REFINE_H
 #define PLACIDO_SOLVE_REFINE_H
 
-#include "reconstruct/solve/bundle.h"
+#include "reconstruct/solve/sightlines.h"
 #include "reconstruct/solve/normal.h"
 
 /* Weight of the squared error in mm of the given distance at the axis: it holds to 0.3 nm. */
@@ -17,7 +17,7 @@ typedef struct placido_refinement {
   bool told;            /* and the samples have been told everything */
   placido_normal *normal;
   bool damped;          /* the normal matrix's factor is that of a damped step */
-  placido_bundle *rays; /* borrowed, and its samples */
+  placido_sightlines *rays; /* borrowed, and its samples */
   placido_sample *samples;
   size_t count;
   double smoothing;
@@ -30,12 +30,12 @@ typedef struct placido_refinement {
 /* Sets up for rays (borrowed) and base on a fresh grid (borrowed). Free with
  * placido_refinement_free. */
 int placido_refinement_new(placido_refinement *r, const placido_conicoid *base,
-                           const placido_grid *grid, placido_bundle *rays, double smoothing,
+                           const placido_grid *grid, placido_sightlines *rays, double smoothing,
                            int steps_max, int threads, placido_error *err);
 void placido_refinement_free(placido_refinement *r);
 
 /* Goes on with other rays (borrowed) from where it is. PLACIDO_MEMORY. */
-int placido_refinement_aim(placido_refinement *r, placido_bundle *rays, placido_error *err);
+int placido_refinement_aim(placido_refinement *r, placido_sightlines *rays, placido_error *err);
 
 /* A sample's row of the Jacobian over its cell's coefficients, residuals in sigmas. Returns its
  * weight, which the robust loss makes less than 1 for an outlier. For samples that have been told

@@ -35,7 +35,7 @@ typedef struct placido_sample {
   double residual_px; /* signed distance from the edge, first order (Sampson); NaN: ray misses */
   bool used;
   double noise;       /* standard deviation, relative to the others'. While the spline is fitted
-                         (bundle.h), what slope and residual call a px is so many */
+                         (sightlines.h), what slope and residual call a px is so many */
 } placido_sample;
 
 /* Follows the sample's ray to the shape, mirrors it and takes the miss. */

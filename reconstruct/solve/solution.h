@@ -21,7 +21,7 @@ typedef struct placido_solution {
   placido_mires *mires;
   placido_sample *samples;
   size_t count;
-  placido_bundle rays; /* of all samples */
+  placido_sightlines rays; /* of all samples */
   placido_conicoid base;
   placido_axis axis;
   double reach_mm;

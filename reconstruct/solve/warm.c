@@ -29,17 +29,18 @@ static void take_over(double *coefficients, const placido_grid *grid, const plac
 /* Where the rays meet the earlier shape: their spread, which is INFINITY where too few do, and how
  * far out they lie. */
 static int trace(double *spread_px, double *reach_mm, const placido_conicoid *base,
-                 const placido_fit *start, placido_bundle *rays, int threads, placido_error *err) {
+                 const placido_fit *start, placido_sightlines *rays, int threads,
+                 placido_error *err) {
   size_t met = 0, numbers = (size_t)start->grid.side * (size_t)start->grid.side;
   double *work = placido_memory_new(numbers + rays->count, sizeof *work, err);
   *reach_mm = 0;
-  int status = work ? placido_bundle_fit_grid(rays, &start->grid, err) : PLACIDO_MEMORY;
+  int status = work ? placido_sightlines_fit_grid(rays, &start->grid, err) : PLACIDO_MEMORY;
   if (!status) {
     double *residuals = work + numbers;
     const placido_target target = {*base, &start->grid, work};
     take_over(work, &start->grid, start);
-    placido_bundle_trace(rays, &target, threads);
-    placido_bundle_tell(rays);
+    placido_sightlines_trace(rays, &target, threads);
+    placido_sightlines_tell(rays);
     for (size_t i = 0; i < rays->count; i++) {
       const placido_sample *s = &rays->samples[i];
       if (!isnan(s->residual_px)) {
@@ -57,7 +58,7 @@ static int trace(double *spread_px, double *reach_mm, const placido_conicoid *ba
 
 /* Refines from the earlier coefficients; status PLACIDO_QUALITY where that leads nowhere. */
 static int refine(placido_refinement *r, const placido_conicoid *base, const placido_grid *grid,
-                  const placido_fit *start, placido_bundle *rays,
+                  const placido_fit *start, placido_sightlines *rays,
                   const placido_warm_options *options, placido_error *err) {
   int status = placido_refinement_new(r, base, grid, rays, options->smoothing, options->steps_max,
                                       options->threads, err);
@@ -72,7 +73,7 @@ static int refine(placido_refinement *r, const placido_conicoid *base, const pla
 }
 
 int placido_warm_start(placido_refinement *r, placido_conicoid *base, placido_grid *grid,
-                       const placido_fit *start, placido_bundle *rays,
+                       const placido_fit *start, placido_sightlines *rays,
                        const placido_warm_options *options, placido_error *err) {
   placido_error ignored = {0};
   double spread_px, reach_mm;

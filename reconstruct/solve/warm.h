@@ -19,7 +19,7 @@ typedef struct placido_warm_options {
  * well as the earlier ones did, or the refinement does not settle: then there is nothing to go by.
  * `base` and `grid` receive what `r` borrows. PLACIDO_MEMORY. */
 int placido_warm_start(placido_refinement *r, placido_conicoid *base, placido_grid *grid,
-                       const placido_fit *start, placido_bundle *rays,
+                       const placido_fit *start, placido_sightlines *rays,
                        const placido_warm_options *options, placido_error *err);
 
 #endif

@@ -10,6 +10,7 @@
 #include "simulate/fft.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #define BUCKETS_MAX 8191
@@ -66,10 +67,11 @@ typedef struct filter {
 } filter;
 
 static filter make_filter(const placido_psf *psf, double highest_cpd) {
+  bool by_rays = psf->wavelength_nm == 0 && psf->pupil_mm > 0;
   filter f = {.step_cpd = highest_cpd / 2046};
   for (int i = 0; i < 2048; i++) {
     double cpd = i * f.step_cpd;
-    double rays = psf->rays > 0 ? placido_diffraction_mtf(cpd, psf->pupil_mm) : 1;
+    double rays = by_rays ? placido_diffraction_mtf(cpd, psf->pupil_mm) : 1;
     f.gains[i] = rays * placido_neural_filter(cpd);
   }
   return f;

@@ -9,9 +9,10 @@
 
 static const double wavelength_mm = 555e-6;
 
-/* The pupil that ModelFest's displays of 30 cd/m² leave to a young observer: Watson and Yellott,
- * J. Vision 12(10):12 (2012), 5.2 mm with both eyes to 6.4 mm with one. */
-static const double modelfest_pupil_mm = 5.5;
+/* The pupil that a display of 30 cd/m² and some 80 deg², as of ModelFest, leaves to a young observer:
+ * 5.2 mm with both eyes to 6.4 mm with one, by A. B. Watson and J. I. Yellott, J. Vision 12(10):12
+ * (2012); the mean transfer function is known up to 6 mm. */
+static const double modelfest_pupil_mm = 6;
 
 /* Beyond it the quotient is one of two numbers that are both next to nothing. */
 static const double highest_cpd = 70;

@@ -40,7 +40,7 @@ typedef struct placido_sight {
 void placido_observer_look(placido_gram *gram, const placido_observer *observer,
                            const placido_lags *lags, double stroke_arcmin, placido_sight *sight);
 
-/* Share of right answers with `noise_factor` times the observer's own noise; `sigma` (may be NULL):
+/* Share of right answers with `noise_factor` times all the observer's noise; `sigma` (may be NULL):
  * its standard deviation from the finite number of trials. */
 double placido_observer_score(const placido_observer *observer, const placido_gram *gram,
                               double noise_factor, double *sigma);

@@ -11,6 +11,10 @@
 
 static const double rounding = 1e-10; /* of the largest inner product */
 
+/* The energy at which proportional noise has risen half way, as gain control saturates: a letter that
+ * is large and sharp is always read. Chosen with the observer's other two numbers. */
+static const double energy_half = 800;
+
 /* Lower factor of a matrix without negative eigenvalues; a letter that is the sum of others gives a
  * row that needs no draw of its own. */
 static placido_gram factor(const placido_gram *gram, int count) {
@@ -77,22 +81,21 @@ static int count_right(const double *draws, const placido_gram *l, const placido
 }
 
 /* Noise of its own, and noise in proportion to the mean letter's energy. */
-static double noise_of(const placido_observer *observer, const placido_gram *gram,
-                       double noise_factor) {
+static double noise_of(const placido_observer *observer, const placido_gram *gram) {
   const placido_acuity_options *o = &observer->options;
   double energy = 0;
   for (int i = 0; i < observer->choices; i++) {
     energy += gram->values[i][i] / observer->choices;
   }
-  double own = noise_factor * o->noise;
-  return sqrt(own * own + o->proportional_noise * o->proportional_noise * energy);
+  double counted = energy / (1 + energy / energy_half);
+  return sqrt(o->noise * o->noise + o->proportional_noise * o->proportional_noise * counted);
 }
 
 double placido_observer_score(const placido_observer *observer, const placido_gram *gram,
                               double noise_factor, double *sigma) {
   const int count = observer->choices, trials = observer->options.trials;
   const placido_gram l = factor(gram, count), half = distances(gram, count);
-  double noise = noise_of(observer, gram, noise_factor);
+  double noise = noise_factor * noise_of(observer, gram);
   long sum = 0, squares = 0;
   for (int trial = 0; trial < trials; trial++) {
     int right = count_right(&observer->draws[(size_t)trial * (size_t)count], &l, &half, noise, count);

@@ -20,6 +20,8 @@ struct placido_chart {
   enum placido_optotype optotype;          /* of a chart in lines */
   void (*draw)(placido_image *image, double arcmin_per_px, const placido_chart *chart,
                const placido_chart_lines *lines);
+  double luminance_cd_m2;             /* of white; 0: not known */
+  double distance_m;                  /* 0: far */
 };
 
 /* The charts that this build draws, `*count` rows. */

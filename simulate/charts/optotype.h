@@ -17,11 +17,12 @@ int placido_optotype_count(enum placido_optotype kind);
 /* The name of one: "right" ..., "C" ... A constant. */
 const char *placido_optotype_name(enum placido_optotype kind, int which);
 
-/* Takes one optotype from every colour plane of a picture (which is white, 1, where black letters on
- * white are wanted): pixel - covered area, not below 0. `which` counts from 0 and is taken modulo
- * the kind's count. size_arcmin is its height and width, five strokes: 5' at 20/20. (x_arcmin,
- * y_arcmin) is the middle of its square, from the picture's top left corner, y downwards; what falls
- * outside of the picture is cut off. Exact to float rounding; allocates nothing. */
+/* Takes one optotype from every colour plane of a picture (which is white, 1, where black letters
+ * on white are wanted): pixel - covered area, not below 0. `which` counts from 0 and is taken
+ * modulo the kind's count. size_arcmin is its height and width, five strokes: 5' at 20/20.
+ * (x_arcmin, y_arcmin) is the middle of its square, from the picture's top left corner, y
+ * downwards; what falls outside of the picture is cut off. Exact to float rounding; allocates
+ * nothing. */
 void placido_optotype_draw(placido_image *image, enum placido_optotype kind, int which,
                            double size_arcmin, double x_arcmin, double y_arcmin,
                            double arcmin_per_px);

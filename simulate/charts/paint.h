@@ -14,7 +14,8 @@ void placido_paint_polygon(placido_image *image, double arcmin_per_px,
 void placido_paint_rectangle(placido_image *image, double arcmin_per_px, double left, double top,
                              double width, double height);
 
-/* Writes digits, '/', '.' and '-' in cells of `cell_arcmin`, 3 wide and 5 high, from (left, top). */
+/* Writes digits, '/', '.' and '-' in cells of `cell_arcmin`, 3 wide and 5 high, from (left, top)
+ * on. */
 void placido_paint_text(placido_image *image, double arcmin_per_px, double left, double top,
                         double cell_arcmin, const char *text);
 

@@ -10,22 +10,23 @@
 
 static const placido_chart charts[] = {
   {"tumbling-e", "tumbling E from 20/160 to 20/10 with an astigmatic fan", 280, 210, 1,
-   PLACIDO_OPTOTYPE_E, placido_draw_tumbling_e},
+   PLACIDO_OPTOTYPE_E, placido_draw_tumbling_e, 0, 0},
   {"fan", "astigmatic fan of 24 radial lines, 15 degrees apart", 210, 210, 1, PLACIDO_OPTOTYPE_E,
-   placido_draw_fan},
+   placido_draw_fan, 0, 0},
   {"sloan", "Sloan letters in ETDRS lines, 1.0 to -0.3 logMAR", 0, 0, 1, PLACIDO_OPTOTYPE_SLOAN,
-   placido_logmar_draw},
+   placido_logmar_draw, 0, 0},
   {"landolt", "Landolt rings in ETDRS lines", 0, 0, 1, PLACIDO_OPTOTYPE_LANDOLT,
-   placido_logmar_draw},
-  {"e-lines", "tumbling E in ETDRS lines", 0, 0, 1, PLACIDO_OPTOTYPE_E, placido_logmar_draw},
-  {"building", "a brick house by day", 360, 270, 3, PLACIDO_OPTOTYPE_E, placido_draw_building},
+   placido_logmar_draw, 0, 0},
+  {"e-lines", "tumbling E in ETDRS lines", 0, 0, 1, PLACIDO_OPTOTYPE_E, placido_logmar_draw, 0, 0},
+  {"building", "a brick house by day", 360, 270, 3, PLACIDO_OPTOTYPE_E, placido_draw_building,
+   5000, 0},
   {"street", "a street at night, with headlights", 360, 270, 3, PLACIDO_OPTOTYPE_E,
-   placido_draw_street},
+   placido_draw_street, 3, 0},
   {"monitor", "windows with text on a screen at 60 cm", 600, 420, 3, PLACIDO_OPTOTYPE_E,
-   placido_draw_monitor},
-  {"stars", "a field of stars", 240, 180, 3, PLACIDO_OPTOTYPE_E, placido_draw_stars},
+   placido_draw_monitor, 200, 0.6},
+  {"stars", "a field of stars", 240, 180, 3, PLACIDO_OPTOTYPE_E, placido_draw_stars, 0.005, 0},
   {"colours", "patches, letters and bars in colours", 240, 190, 3, PLACIDO_OPTOTYPE_E,
-   placido_draw_colours},
+   placido_draw_colours, 200, 0},
 };
 
 const placido_chart *placido_chart_table(size_t *count) {
@@ -82,7 +83,8 @@ int placido_chart_new(placido_image *image, const placido_chart *chart,
   if (status != PLACIDO_OK) {
     return status;
   }
-  double width = ceil(size_arcmin[0] / arcmin_per_px), height = ceil(size_arcmin[1] / arcmin_per_px);
+  double width = ceil(size_arcmin[0] / arcmin_per_px);
+  double height = ceil(size_arcmin[1] / arcmin_per_px);
   if (width > side_max_px || height > side_max_px) {
     return placido_error_set(err, PLACIDO_INPUT,
                              "chart %s: %.0f by %.0f pixels of %g' are too many, %g a side are "

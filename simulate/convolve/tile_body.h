@@ -41,7 +41,7 @@ static bool make_plans(placido_plans *plans, const placido_workspace *work, bool
   unsigned keep = (how & ~FFTW_DESTROY_INPUT) | FFTW_PRESERVE_INPUT; /* zeros stay beside a row */
   plans->row_forward = FFTW(plan_dft_r2c_1d)(s->columns, work->samples, row, keep);
   plans->row_backward = FFTW(plan_dft_c2r_1d)(s->columns, row, work->samples, how);
-  plans->columns_forward = plan_block(s, work->spectrum, work->column, FFTW_FORWARD, keep);
+  plans->columns_forward = plan_block(s, work->spectrum, work->column, FFTW_FORWARD, how);
   plans->columns_backward = plan_block(s, work->spectrum, work->column, FFTW_BACKWARD, how);
   return plans->row_forward != NULL && plans->row_backward != NULL &&
          plans->columns_forward != NULL && plans->columns_backward != NULL;
@@ -79,22 +79,20 @@ static void transform_row(const placido_plans *plans, const placido_workspace *w
   scatter_row(&plans->shape, work->spectrum, work->row, y);
 }
 
-/* Zeros the rows of a block that no row of light was written to: all but `used` from `at` on. */
-static void clear_rows(const placido_shape *s, SAMPLE *block, int at, int used) {
+/* Zeros rows of a block that no row of light was written to. */
+static void clear_rows(const placido_shape *s, SAMPLE *block, int first, int end) {
   size_t line = 2 * (size_t)s->lanes;
-  memset(block, 0, line * (size_t)at * sizeof *block);
-  memset(block + line * (size_t)(at + used), 0,
-         line * (size_t)(s->rows - at - used) * sizeof *block);
+  memset(block + line * (size_t)first, 0, line * (size_t)(end - first) * sizeof *block);
 }
 
-/* product = a × b, complex numbers in pairs; `product` may be `a`. */
+/* spectrum *= transfer, complex numbers in pairs. */
 PLACIDO_WIDE
-static void multiply(SAMPLE *product, const SAMPLE *a, const SAMPLE *b, size_t samples) {
+static void multiply(SAMPLE *restrict a, const SAMPLE *restrict b, size_t samples) {
   for (size_t i = 0; i < samples; i += 2) {
     SAMPLE re = a[i] * b[i] - a[i + 1] * b[i + 1];
     SAMPLE im = a[i] * b[i + 1] + a[i + 1] * b[i];
-    product[i] = re;
-    product[i + 1] = im;
+    a[i] = re;
+    a[i + 1] = im;
   }
 }
 
@@ -124,12 +122,12 @@ static void transform(const placido_plans *plans, const placido_workspace *work,
   const placido_shape *s = &plans->shape;
   int half = psf->n / 2, reach = half < s->reach_y ? half : s->reach_y;
   SAMPLE *spectrum = work->spectrum, *turned = transfer;
-  memset(spectrum, 0, s->block * (size_t)s->blocks * sizeof *spectrum);
   for (int y = -reach; y <= reach; y++) {
     place_psf_row(s, work->samples, psf, y + half);
     transform_row(plans, work, y < 0 ? y + s->rows : y);
   }
   for (int block = 0; block < s->blocks; block++, spectrum += s->block, turned += s->column) {
+    clear_rows(s, spectrum, reach + 1, s->rows - reach);
     FFTW(execute_dft)(plans->columns_forward, (void *)spectrum, (void *)turned);
   }
 }
@@ -151,23 +149,24 @@ static void add_term(const placido_plans *plans, const placido_workspace *work,
                      const placido_spot *spot, const float *source, const void *transfer,
                      placido_turn turn) {
   const placido_shape *s = &plans->shape;
-  SAMPLE *column = work->column, *block = work->spectrum;
+  SAMPLE *block = work->spectrum;
   const SAMPLE *factor = transfer;
-  bool alone = turn.first && turn.last;
-  SAMPLE *sum = alone ? column : work->sum;
+  size_t step = turn.first && turn.last ? 0 : s->column; /* alone: the sum is no longer than a block */
+  SAMPLE *sum = step == 0 ? work->column : work->sum;
   transform_source(plans, work, spot, source);
-  for (int i = 0; i < s->blocks; i++, block += s->block, factor += s->column) {
-    clear_rows(s, block, spot->y.at, spot->y.used);
-    FFTW(execute_dft)(plans->columns_forward, (void *)block, (void *)column);
+  for (int i = 0; i < s->blocks; i++, block += s->block, factor += s->column, sum += step) {
+    SAMPLE *turned = turn.first ? sum : work->column;
+    clear_rows(s, block, 0, spot->y.at);
+    clear_rows(s, block, spot->y.at + spot->y.used, s->rows);
+    FFTW(execute_dft)(plans->columns_forward, (void *)block, (void *)turned);
     if (turn.first) {
-      multiply(sum, column, factor, s->column);
+      multiply(sum, factor, s->column);
     } else {
-      add_product(sum, column, factor, s->column);
+      add_product(sum, turned, factor, s->column);
     }
     if (turn.last) {
       FFTW(execute_dft)(plans->columns_backward, (void *)sum, (void *)block);
     }
-    sum += alone ? 0 : s->column;
   }
 }
 

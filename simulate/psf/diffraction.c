@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SAMPLES_LEAST = 128 };
+enum { SAMPLES_LEAST = 256, PERIOD_MAX = 6000 };
 
 static const double window_room = 1.02;      /* of the period over the window */
 static const double tolerance_waves = 0.01;  /* of the wavefront between its samples, rms */
@@ -146,6 +146,13 @@ static int choose(sampling *chosen, const diffraction *d, const placido_wave *wa
     }
   } else {
     chosen->period = choose_period(d, wave);
+  }
+  if (chosen->period > PERIOD_MAX && samples_for(d->bucket_rad * PERIOD_MAX, d, wave) <
+                                       PLACIDO_DIFFRACTION_SAMPLES_MAX) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "buckets of %g' are far finer than the image of %g nm behind a pupil "
+                             "of %g mm: choose wider ones",
+                             d->window.bucket_arcmin, wave->wavelength_nm, d->front.pupil_mm);
   }
   chosen->samples = chosen->period * bucket_samples;
   chosen->spacing_mm = d->front.pupil_mm / chosen->samples;

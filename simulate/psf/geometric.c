@@ -90,45 +90,57 @@ static int rings_of(const placido_optics *optics) {
   return (most + 1) / 2 + 1;
 }
 
-/* Row of the tally to shares of `entered`, in the same memory; its sum and most. A row where no
- * light came is zero as it is. */
-static void share_row(int64_t *buckets, int n, double entered, int64_t *sum, int64_t *most) {
-  int64_t any = 0;
-  for (int i = 0; i < n; i++) {
-    any |= buckets[i];
-  }
-  for (int i = 0; i < n && any != 0; i++) {
-    int64_t light = buckets[i];
-    double share = (double)light / entered;
-    *sum += light;
-    *most = light > *most ? light : *most;
-    memcpy(&buckets[i], &share, sizeof share);
+/* All the light in the tally, and the most in a bucket. */
+static void add_up(const placido_tally *tally, int64_t *sum, int64_t *most) {
+  size_t area = (size_t)tally->n * (size_t)tally->n;
+  *sum = *most = 0;
+  for (size_t i = 0; i < area; i++) {
+    *sum += tally->buckets[i];
+    *most = tally->buckets[i] > *most ? tally->buckets[i] : *most;
   }
 }
 
-/* The first tally's memory becomes the PSF's values. */
-static int take(placido_psf *psf, counts *c, placido_error *err) {
+/* Light to shares in the same memory; a row where none came is zero as it is. */
+static void make_shares(int64_t *buckets, int n, double all) {
   _Static_assert(sizeof(int64_t) == sizeof(double), "a bucket's light and its share are as large");
+  for (int row = 0; row < n; row++, buckets += n) {
+    int64_t any = 0;
+    for (int i = 0; i < n; i++) {
+      any |= buckets[i];
+    }
+    for (int i = 0; i < n && any != 0; i++) {
+      double share = (double)buckets[i] / all;
+      memcpy(&buckets[i], &share, sizeof share);
+    }
+  }
+}
+
+/* The first tally's memory becomes the PSF's values. They sum to the share of rays that landed: the
+ * area-weighted light differs from that by its last digits, and files shall not. */
+static int take(placido_psf *psf, counts *c, placido_error *err) {
   placido_tally *tally = &c->tallies[0];
   const placido_arrivals *arrivals = &c->arrivals[0];
-  double entered = (double)arrivals->light;
-  int64_t most = 0, sum = 0;
-  for (int row = 0; row < tally->n; row++) {
-    share_row(tally->buckets + (size_t)row * (size_t)tally->n, tally->n, entered, &sum, &most);
-  }
+  int64_t sum, most;
+  add_up(tally, &sum, &most);
   psf->n = tally->n;
-  psf->values = (double *)tally->buckets;
-  *tally = (placido_tally){0};
   psf->rays_entered = arrivals->entered;
   psf->rays_landed = arrivals->landed;
   psf->rays_grazed = arrivals->grazed;
   psf->rays_reflected = arrivals->reflected;
   psf->rays_missed = arrivals->missed + arrivals->grazed + arrivals->reflected;
-  psf->outside = 1 - (double)sum / entered;
+  if (psf->rays_landed == 0) {
+    return placido_error_set(err, PLACIDO_QUALITY, "no light lands within the PSF's %.0f'",
+                             psf->n * psf->bucket_arcmin);
+  }
+  double entered = (double)psf->rays_entered, landed = (double)psf->rays_landed;
+  make_shares(tally->buckets, tally->n,
+              psf->rays_landed == psf->rays_entered ? (double)sum
+                                                    : (double)sum / landed * entered);
+  psf->outside = 1 - landed / entered;
   psf->strehl_g = (double)most / (double)sum;
-  return sum > 0 ? PLACIDO_OK
-                 : placido_error_set(err, PLACIDO_QUALITY, "no light lands within the PSF's %.0f'",
-                                     psf->n * psf->bucket_arcmin);
+  psf->values = (double *)tally->buckets;
+  *tally = (placido_tally){0};
+  return PLACIDO_OK;
 }
 
 static void describe(placido_psf *psf, const placido_eye *eye, const placido_optics *optics,

@@ -13,7 +13,12 @@
 #include <math.h>
 #include <stdbool.h>
 
-enum { PIECES_MAX = 1024 }; /* along a side, each up to one bucket long */
+static const double slant_max = 0.2; /* covariance that a box may leave out, as slant_of has it */
+
+enum {
+  PIECES_MAX = 1024, /* along a side, each up to one bucket long */
+  TOGETHER = 128     /* spots whose boxes are placed before their light is added */
+};
 
 int placido_tally_new(placido_tally *tally, int n, int rings, placido_error *err) {
   size_t area = (size_t)n * (size_t)n;
@@ -94,36 +99,56 @@ static void add_box(placido_tally *tally, double x, double y, double width, doub
   }
 }
 
-/* A box that is no larger than a bucket and wholly within the buckets, so that it lies in at most
- * four; false for any other. */
-PLACIDO_INSIDE bool add_small(const placido_tally *tally, double x, double y, double width,
-                              double height, double light) {
-  const double last = tally->n - 1, left = x - width / 2, top = y - height / 2;
-  if (!(width <= 1 && height <= 1 && left >= 0 && left < last && top >= 0 && top < last)) {
-    return false;
-  }
-  const size_t column = (size_t)left, row = (size_t)top, n = (size_t)tally->n;
-  double before = (double)(column + 1) - left, above = (double)(row + 1) - top;
-  double across = before < width ? before / width : 1, down = above < height ? above / height : 1;
-  double first = light * across;
-  int64_t whole = (int64_t)first, first_above = (int64_t)(first * down);
-  int64_t next = (int64_t)light - whole, next_above = (int64_t)((light - first) * down);
+/* A box no larger than a bucket and wholly within the buckets, so that it lies in at most four: its
+ * left and top, and what share of it lies in the first column and row. */
+typedef struct small_box {
+  double left, top, across, down; /* left is -1 for any other box */
+} small_box;
+
+PLACIDO_INSIDE small_box find_small(double x, double y, double width, double height, double last) {
+  small_box s = {.left = x - width / 2, .top = y - height / 2};
+  double before = floor(s.left) + 1 - s.left, above = floor(s.top) + 1 - s.top;
+  bool fits = (width <= 1) & (height <= 1) & (s.left >= 0) & (s.left < last) & (s.top >= 0) &
+              (s.top < last);
+  s.across = before < width ? before / width : 1;
+  s.down = above < height ? above / height : 1;
+  s.left = fits ? s.left : -1;
+  return s;
+}
+
+/* Whole units to its four buckets, whose sum is `light`. */
+PLACIDO_INSIDE void add_small(const placido_tally *tally, const small_box *s, double light) {
+  const size_t column = (size_t)s->left, row = (size_t)s->top, n = (size_t)tally->n;
+  double first = light * s->across;
+  int64_t whole = (int64_t)first, first_above = (int64_t)(first * s->down);
+  int64_t next = (int64_t)light - whole, next_above = (int64_t)((light - first) * s->down);
   int64_t *bucket = tally->buckets + row * n + column;
   bucket[0] += first_above;
   bucket[1] += next_above;
   bucket[n] += whole - first_above;
   bucket[n + 1] += next - next_above;
-  return true;
 }
 
-static int pieces_of(double side_x, double side_y) {
-  double pieces = ceil(sqrt(side_x * side_x + side_y * side_y));
-  return pieces < PIECES_MAX ? (int)fmax(pieces, 1) : PIECES_MAX;
+/* Pieces of a side so that each is no longer than a bucket; where boxes would leave out too much
+ * covariance, so that each has little of it. */
+static int pieces_of(double side_x, double side_y, bool slanted) {
+  double square = side_x * side_x + side_y * side_y;
+  double limit = slanted ? fmax(square, 2 * fabs(side_x * side_y) / slant_max) : square;
+  return limit < (double)PIECES_MAX * PIECES_MAX ? (int)fmax(ceil(sqrt(limit)), 1) : PIECES_MAX;
+}
+
+/* Covariance of a parallelogram's light, in twelfths of a bucket squared. */
+PLACIDO_INSIDE double slant_of(double ax, double ay, double bx, double by) {
+  return fabs(ax * ay + bx * by);
 }
 
 /* The parallelogram cut into pieces along both sides. */
 static void add_pieces(placido_tally *tally, const placido_spots *s, size_t i) {
-  const int na = pieces_of(s->ax[i], s->ay[i]), nb = pieces_of(s->bx[i], s->by[i]);
+  int na = pieces_of(s->ax[i], s->ay[i], false), nb = pieces_of(s->bx[i], s->by[i], false);
+  if (na * nb == 1) { /* small, but too slanted for one box */
+    na = pieces_of(s->ax[i], s->ay[i], true);
+    nb = pieces_of(s->bx[i], s->by[i], true);
+  }
   const double ax = s->ax[i] / na, ay = s->ay[i] / na, bx = s->bx[i] / nb, by = s->by[i] / nb;
   const double width = sqrt(ax * ax + bx * bx), height = sqrt(ay * ay + by * by);
   const double each = floor(s->light[i] / (na * nb));
@@ -131,9 +156,12 @@ static void add_pieces(placido_tally *tally, const placido_spots *s, size_t i) {
   for (int k = 0; k < na; k++) {
     double a = k - (na - 1) / 2.0, x = s->x[i] + a * ax, y = s->y[i] + a * ay;
     for (int l = 0; l < nb; l++) {
-      double b = l - (nb - 1) / 2.0;
-      if (!add_small(tally, x + b * bx, y + b * by, width, height, light)) {
-        add_box(tally, x + b * bx, y + b * by, width, height, light);
+      double b = l - (nb - 1) / 2.0, at_x = x + b * bx, at_y = y + b * by;
+      small_box small = find_small(at_x, at_y, width, height, tally->n - 1);
+      if (small.left >= 0) {
+        add_small(tally, &small, light);
+      } else {
+        add_box(tally, at_x, at_y, width, height, light);
       }
       light = each;
     }
@@ -161,21 +189,52 @@ static void find_boxes(double *restrict width, double *restrict height, const do
                        const double *restrict ay, const double *restrict bx,
                        const double *restrict by, size_t count) {
   for (size_t i = 0; i < count; i++) {
-    width[i] = sqrt(ax[i] * ax[i] + bx[i] * bx[i]);
+    double slant = slant_of(ax[i], ay[i], bx[i], by[i]);
+    double box = sqrt(ax[i] * ax[i] + bx[i] * bx[i]);
+    width[i] = slant <= slant_max ? box : INFINITY;
     height[i] = sqrt(ay[i] * ay[i] + by[i] * by[i]);
   }
+}
+
+PLACIDO_WIDE
+static void find_smalls(double *restrict left, double *restrict top, double *restrict across,
+                        double *restrict down, const double *restrict x, const double *restrict y,
+                        const double *restrict width, const double *restrict height, double last,
+                        size_t count) {
+  for (size_t i = 0; i < count; i++) {
+    small_box s = find_small(x[i], y[i], width[i], height[i], last);
+    left[i] = s.left;
+    top[i] = s.top;
+    across[i] = s.across;
+    down[i] = s.down;
+  }
+}
+
+/* A piece of the spots that fits the processor's nearest memory. */
+static long spread_some(placido_tally *tally, const placido_spots *s, size_t begin, size_t count) {
+  double left[TOGETHER], top[TOGETHER], across[TOGETHER], down[TOGETHER];
+  long within = 0;
+  find_smalls(left, top, across, down, s->x + begin, s->y + begin, s->width + begin,
+              s->height + begin, tally->n - 1, count);
+  for (size_t i = 0; i < count; i++) {
+    const size_t spot = begin + i;
+    if (left[i] >= 0) {
+      add_small(tally, &(small_box){left[i], top[i], across[i], down[i]}, s->light[spot]);
+      within++;
+    } else if (isfinite(s->x[spot])) {
+      add_any(tally, s, spot);
+      within += is_within(tally, s->x[spot], s->y[spot]);
+    }
+  }
+  return within;
 }
 
 long placido_tally_spread(placido_tally *tally, const placido_spots *s) {
   long within = 0;
   find_boxes(s->width, s->height, s->ax, s->ay, s->bx, s->by, s->count);
-  for (size_t i = 0; i < s->count; i++) {
-    if (add_small(tally, s->x[i], s->y[i], s->width[i], s->height[i], s->light[i])) {
-      within++;
-    } else if (isfinite(s->x[i])) {
-      add_any(tally, s, i);
-      within += is_within(tally, s->x[i], s->y[i]);
-    }
+  for (size_t begin = 0; begin < s->count; begin += TOGETHER) {
+    size_t rest = s->count - begin;
+    within += spread_some(tally, s, begin, rest < TOGETHER ? rest : TOGETHER);
   }
   return within;
 }

@@ -60,20 +60,18 @@ void placido_crosshatch_row(const placido_crosshatch *pattern, int row, double *
   *y_mm = pattern->y_mm + (double)place.height * pattern->half_cell_mm;
 }
 
-/* Area between 0 and x under the circle of radius r. */
-static double area_under(double x, double r) {
-  return (x * sqrt(fmax(r * r - x * x, 0)) + r * r * asin(fmin(x / r, 1))) / 2;
-}
-
-/* Area of the disc within [0, x] × [0, y]; odd in both. */
+/* Area of the disc of radius `edge` within [0, x] × [0, y]; odd in both. Where the corner is
+ * outside, the rim runs from height y at `straight` to `fall` at the width: a rectangle before it,
+ * two triangles to the centre and the sector between them. */
 static double area_from_centre(long x, long y, long edge) {
   double sign = (x < 0) == (y < 0) ? 1 : -1, r = (double)edge;
   double width = fmin((double)labs(x), r), height = fmin((double)labs(y), r);
   if (width * width + height * height <= r * r) {
     return sign * width * height;
   }
-  double straight = sqrt(fmax(r * r - height * height, 0));
-  return sign * (straight * height + area_under(width, r) - area_under(straight, r));
+  double straight = sqrt(r * r - height * height), fall = sqrt(r * r - width * width);
+  double sine = (width * height - straight * fall) / (r * r);
+  return sign * (straight * height + width * fall + r * r * asin(fmin(sine, 1))) / 2;
 }
 
 /* Area inside the disc of the cell of side 2 about (x, y). */

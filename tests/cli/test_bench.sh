@@ -41,7 +41,8 @@ if grep -q '^simulate: ' out.txt; then
 fi
 
 succeed bench simulate --quick
-compared 'spread of 19,801 rays' 'asking the surface once a ray'
+compared 'spread of 19,801 rays' 'tight loop: 19,801 rays, conicoid'
+compared 'spread of a million rays' 'tight loop: a million rays, conicoid'
 compared 'convolution of 512×512' 'one transform of that size'
 
 succeed bench --quick --json

@@ -77,6 +77,9 @@ check_pupil seen/pupil-3mm tumbling-e
 json seen/simulation.json placido-simulation/1 pupils seconds.total warnings
 succeed simulate eye.surface.json --pupils 3 --retina 24 --correction -1,-0.5,30 -o seen
 json seen/pupil-3mm/psf.json placido-psf/1 correction.axis_deg
+succeed simulate eye.surface.json --pupils 3 --axial-length 25 --wear '-2 -0.5 30 @13' -o glasses
+json glasses/simulation.json placido-simulation/1 pupils settings.axial_length_mm
+says '"vertex_mm": 13' glasses/simulation.json
 
 echo "== a pupil that the surface does not fill is left out, and told"
 succeed simulate cornea/surface.json --pupils 3,12 -o seen

@@ -104,6 +104,7 @@ printf '{"format": "placido-scene/1", "image": "eye.png"}\n' > scene.json
 refuse 3 'scene.json:1: field calibration' simulate eye.surface.json --scene scene.json -o result
 printf '{"format": "placido-scene/1", "image": "x.png", "calibration": {"kind": "arcmin_per_px", "value": 0.5}}\n' > scene.json
 refuse 1 'x.png' simulate eye.surface.json --scene scene.json -o result
+refuse 3 'no chart called snellen.*sloan' simulate eye.surface.json --scene snellen -o result
 
 echo "== sessions"
 if [ "$SESSIONS" = ON ]; then

@@ -47,6 +47,12 @@ refuse 2 '--rays 4001: it ranges' exam input.png -o out --rays 4001
 refuse 2 '--meridians 23: it ranges' exam input.png -o out --meridians 23
 refuse 2 '--retina 4: it ranges' simulate surface.json -o out --retina 4
 refuse 2 '--correction 50,0,0: sphere' simulate surface.json -o out --correction 50,0,0
+refuse 2 '--wear -5 -1: a sphere, or' simulate surface.json -o out --wear '-5 -1'
+refuse 2 '--wear -5 @40: the axis ranges' simulate surface.json -o out --wear '-5 @40'
+refuse 2 '--correct half: sphere, full or none' simulate surface.json -o out --correct half
+refuse 2 '--correct none: a cornea alone does not tell' simulate surface.json -o out --correct none
+refuse 2 '--correct full searches the lens' simulate surface.json -o out --correct full --wear -5
+refuse 2 '--retina and --axial-length both' simulate surface.json -o out --retina 24 --axial-length 24
 refuse 2 '--motion 300,0: its length' phantom --eye sphere --instrument cone24 -o out.png --motion 300,0
 refuse 2 '--side od: OD or OS' phantom --eye sphere --instrument cone24 -o out.session --side od
 refuse 2 '--cwhatuc has buckets of its own' exam input.png -o out --cwhatuc --bucket 2

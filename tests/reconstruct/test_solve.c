@@ -1,7 +1,7 @@
 /* The spline, the normal equations and the order statistics on their own. */
 #include "base/memory.h"
 #include "reconstruct/median.h"
-#include "reconstruct/solve/bundle.h"
+#include "reconstruct/solve/sightlines.h"
 #include "reconstruct/solve/normal.h"
 #include "tests/support/near.h"
 
@@ -112,17 +112,17 @@ static void a_bundle_is_its_rays(void **state) {
     c[i] = 1e-3 * wave(i);
   }
   placido_surface *surface;
-  placido_bundle bundle;
+  placido_sightlines sightlines;
   assert_int_equal(placido_surface_new(&surface, 0, 9, &part, 1, NULL, NULL), PLACIDO_OK);
   make_samples(together, COUNT, &edge);
   make_samples(alone, COUNT, &edge);
-  assert_int_equal(placido_bundle_new(&bundle, together, COUNT, NULL), PLACIDO_OK);
-  assert_int_equal(placido_bundle_fit_grid(&bundle, &grid, NULL), PLACIDO_OK);
+  assert_int_equal(placido_sightlines_new(&sightlines, together, COUNT, NULL), PLACIDO_OK);
+  assert_int_equal(placido_sightlines_fit_grid(&sightlines, &grid, NULL), PLACIDO_OK);
   const placido_target target = {base, &grid, c};
   const placido_shape shape = {surface, &grid, c};
-  placido_bundle_trace(&bundle, &target, 2);
-  placido_bundle_tell(&bundle);
-  placido_bundle_tell_all(&bundle, &target, 2);
+  placido_sightlines_trace(&sightlines, &target, 2);
+  placido_sightlines_tell(&sightlines);
+  placido_sightlines_tell_all(&sightlines, &target, 2);
   size_t missed = 0;
   for (size_t i = 0; i < COUNT; i++) {
     placido_sample_trace(&alone[i], &shape);
@@ -137,7 +137,7 @@ static void a_bundle_is_its_rays(void **state) {
     }
   }
   assert_true(missed > 0 && missed < COUNT / 2);
-  placido_bundle_free(&bundle);
+  placido_sightlines_free(&sightlines);
   placido_surface_free(surface);
   free(c);
 }

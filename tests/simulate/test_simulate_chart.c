@@ -177,6 +177,52 @@ static void test_unknown_charts_name_the_known(void **state) {
   assert_null(scene.image.data);
 }
 
+/* A star's light is the same whatever the pixel: a magnitude 0.5 star against a sky of 0.03 white.
+ * Of 2.54e-6 lx × 10^-0.2 over 0.005 cd/m² and (pi / 10,800)² per square minute of arc. */
+static void test_stars_keep_their_light_at_any_scale(void **state) {
+  (void)state;
+  const double arcmin = acos(-1) / 10800;
+  const double light = 2.54e-6 * pow(10, -0.2) / (0.005 * arcmin * arcmin);
+  const double scales[] = {0.5, 0.3, 0.11};
+  for (int k = 0; k < 3; k++) {
+    placido_image image = drawn("stars", scales[k]);
+    const float *green = placido_image_plane(&image, 1);
+    double sum = 0;
+    for (int y = (int)(109 / scales[k]); y < (int)(111 / scales[k]); y++) {
+      for (int x = (int)(149 / scales[k]); x < (int)(151 / scales[k]); x++) {
+        sum += (green[y * image.width_px + x] - 0.032) * scales[k] * scales[k];
+      }
+    }
+    assert_near(sum / light, 1, 1e-3); /* the sky that it covers */
+    placido_image_free(&image);
+  }
+}
+
+/* Windows, text and headlights: in colour, with what they are told about light and distance. */
+static void test_pictures_say_how_they_are_lit(void **state) {
+  (void)state;
+  placido_scene scene;
+  assert_int_equal(placido_scene_draw(&scene, "monitor", NULL, 0, NULL), PLACIDO_OK);
+  assert_int_equal(scene.image.planes, 3);
+  assert_true(scene.conditions.distance_m == 0.6);
+  placido_scene_free(&scene);
+  assert_int_equal(placido_scene_draw(&scene, "street", NULL, 0, NULL), PLACIDO_OK);
+  assert_true(scene.conditions.luminance_cd_m2 == 3);
+  float brightest = 0;
+  for (int i = 0; i < scene.image.width_px * scene.image.height_px * 3; i++) {
+    brightest = fmaxf(brightest, scene.image.data[i]);
+  }
+  assert_true(brightest == 3300); /* of white: a headlight */
+  /* The picture's rim goes on outwards: no dark comes in from there. */
+  size_t width = (size_t)scene.image.width_px, bleed = (size_t)scene.bleed_px;
+  assert_true(scene.image.data[0] == scene.image.data[bleed * width + bleed]);
+  assert_true(scene.image.data[0] > 0);
+  placido_scene_free(&scene);
+  assert_int_equal(placido_scene_draw(&scene, "fan", NULL, 0, NULL), PLACIDO_OK);
+  assert_true(isnan(scene.conditions.luminance_cd_m2) && isinf(scene.conditions.distance_m));
+  placido_scene_free(&scene);
+}
+
 static void test_chart_scales_are_bounded(void **state) {
   (void)state;
   placido_image image;
@@ -195,6 +241,8 @@ int main(void) {
     cmocka_unit_test(test_bleed_and_margin_are_white),
     cmocka_unit_test(test_seen_chart_has_no_dark_rim),
     cmocka_unit_test(test_unknown_charts_name_the_known),
+    cmocka_unit_test(test_stars_keep_their_light_at_any_scale),
+    cmocka_unit_test(test_pictures_say_how_they_are_lit),
     cmocka_unit_test(test_chart_scales_are_bounded),
   };
   return cmocka_run_group_tests_name("simulate_chart", tests, NULL, NULL);

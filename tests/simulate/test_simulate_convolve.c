@@ -24,6 +24,16 @@ static placido_image noise_image(int width, int height, int planes) {
   return image;
 }
 
+/* A picture without holes: through those light spreads otherwise. */
+static placido_image opaque_image(int width, int height) {
+  placido_image image = noise_image(width, height, 4);
+  float *alpha = placido_image_plane(&image, 3);
+  for (int i = 0; i < width * height; i++) {
+    alpha[i] = 1;
+  }
+  return image;
+}
+
 static placido_psf noise_psf(double *values, int n) {
   unsigned seed = 3;
   double sum = 0;
@@ -49,7 +59,7 @@ static void test_delta_returns_the_image_bit_for_bit(void **state) {
   (void)state;
   static double values[257 * 257];
   placido_psf psf = {.n = 257, .bucket_arcmin = 0.5, .values = values};
-  placido_scene scene = {.arcmin_per_px = 0.5, .image = noise_image(101, 67, 4)};
+  placido_scene scene = {.arcmin_per_px = 0.5, .image = opaque_image(101, 67)};
   placido_image seen;
   values[128 * 257 + 128] = 1;
   assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, NULL), PLACIDO_OK);
@@ -160,7 +170,7 @@ static void test_bleed_spreads_into_the_picture_and_is_cut(void **state) {
   (void)state;
   static double values[31 * 31];
   placido_psf psf = noise_psf(values, 31);
-  placido_scene scene = {.arcmin_per_px = 0.5, .bleed_px = 15, .image = noise_image(50, 40, 4)};
+  placido_scene scene = {.arcmin_per_px = 0.5, .bleed_px = 15, .image = opaque_image(50, 40)};
   placido_image seen, whole = convolved(&scene.image, &psf, 1);
   assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, NULL), PLACIDO_OK);
   assert_int_equal(seen.width_px, 20);
@@ -206,6 +216,21 @@ static void test_good_lengths_have_small_factors_and_are_even(void **state) {
   assert_int_equal(placido_fft_good_length(1), 2);
 }
 
+/* Lengths that FFTW was measured to be quick with. */
+static void test_fast_lengths_have_many_factors_of_two(void **state) {
+  (void)state;
+  const int asked[] = {1, 2, 250 + 128, 500 + 128, 2160 + 128, 3840 + 128, 4096};
+  const int expected[] = {2, 2, 384, 640, 2560, 4096, 4096};
+  for (int i = 0; i < 7; i++) {
+    assert_int_equal(placido_fft_fast_length(asked[i]), expected[i]);
+  }
+  for (int length = 1; length < 3000; length++) {
+    int fast = placido_fft_fast_length(length);
+    assert_in_range(fast, length, 2 * length);
+    assert_int_equal(placido_fft_good_length(fast), fast);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
     cmocka_unit_test(test_delta_returns_the_image_bit_for_bit),
@@ -216,6 +241,7 @@ int main(void) {
     cmocka_unit_test(test_bleed_spreads_into_the_picture_and_is_cut),
     cmocka_unit_test(test_bleed_without_a_picture_is_refused),
     cmocka_unit_test(test_good_lengths_have_small_factors_and_are_even),
+    cmocka_unit_test(test_fast_lengths_have_many_factors_of_two),
   };
   return cmocka_run_group_tests_name("simulate_convolve", tests, NULL, NULL);
 }

@@ -133,7 +133,7 @@ static void test_short_sight_is_corrected_in_spectacles(void **state) {
   part.as.biconic.q1 = part.as.biconic.q2 = -1 / (n * n);
   placido_surface *surface;
   assert_int_equal(placido_surface_new(&surface, 0, 4.5, &part, 1, NULL, NULL), PLACIDO_OK);
-  placido_eye eye = {.pupil_mm = 4, .retina_mm = 1000 * n / (focus_D - 2),
+  placido_eye eye = {.pupil_mm = 1, .retina_mm = 1000 * n / (focus_D - 2),
                      .correct = PLACIDO_CORRECT_FULL}, found;
   placido_psf psf;
   assert_int_equal(placido_psf_new(&psf, &found, surface, &eye, &(placido_optics){0}, NULL, NULL),

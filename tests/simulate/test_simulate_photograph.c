@@ -1,4 +1,5 @@
 /* Photographs: depth of bits and alpha survive, holes leave no dark fringes, floats are light. */
+#include "base/memory.h"
 #include "simulate/scene_file.h"
 #include "tests/support/near.h"
 
@@ -232,6 +233,26 @@ static void test_samples_that_are_no_numbers_are_counted(void **state) {
   assert_non_null(strstr(err.text, "8 or 16 bit"));
 }
 
+/* Whichever allocation fails, seeing says so and leaves nothing behind. */
+static void test_running_out_of_memory_is_an_error(void **state) {
+  (void)state;
+  const float half[4] = {0.5f, 0.5f, 0.5f, 0.5f};
+  placido_image image = even(20, 10, 4, half), seen;
+  placido_scene scene = scene_of(image, 0.3);
+  unsigned long failed = 0;
+  int status = PLACIDO_MEMORY;
+  while (status == PLACIDO_MEMORY) {
+    placido_memory_fail_at(++failed);
+    status = placido_scene_see(&seen, &scene, &cross_psf, 1, NULL);
+    assert_true(status == PLACIDO_OK || seen.data == NULL);
+  }
+  placido_memory_fail_at(0);
+  assert_int_equal(status, PLACIDO_OK);
+  assert_true(failed > 10);
+  placido_image_free(&seen);
+  placido_image_free(&image);
+}
+
 /* 8 bits: libtiff multiplies by alpha, which costs at most half a step over alpha. 16 bits: the tag
  * says whether the file did. */
 static void test_tiff_colours_are_not_left_multiplied(void **state) {
@@ -264,6 +285,7 @@ int main(void) {
     cmocka_unit_test(test_odd_sizes_are_seen),
     cmocka_unit_test(test_floats_are_linear_light),
     cmocka_unit_test(test_samples_that_are_no_numbers_are_counted),
+    cmocka_unit_test(test_running_out_of_memory_is_an_error),
     cmocka_unit_test(test_tiff_colours_are_not_left_multiplied),
   };
   return cmocka_run_group_tests_name("simulate_photograph", tests, make_folder, remove_folder);

@@ -81,7 +81,8 @@ static void test_calibrations_hold_at_large_angles(void **state) {
   (void)state;
   expect_scale("{\"kind\": \"camera\", \"horizontal_fov_deg\": 140}", 7.8585998 * 60);
   expect_scale("{\"kind\": \"monitor\", \"dpi\": 1, \"distance_m\": 0.01}", 103.5660977 * 60);
-  expect_scale("{\"kind\": \"object\", \"size_m\": 80, \"distance_m\": 1, \"size_px\": 40}", 90 * 60);
+  expect_scale("{\"kind\": \"object\", \"size_m\": 80, \"distance_m\": 1, \"size_px\": 40}",
+               90 * 60);
   expect_scale("{\"kind\": \"arcmin_per_px\", \"value\": 600}", 600);
 }
 
@@ -212,10 +213,13 @@ static void test_errors_name_file_line_and_field(void **state) {
      {"scene.json:3", "tolerance"}, PLACIDO_INPUT},
     {"\"image\": \"photo.png\", \"tolerance\": 2,\n\"calibration\": {\"kind\": \"camera\"}",
      {"scene.json:3", "expected 1e-06 to 1"}, PLACIDO_INPUT},
-    {"\"image\": \"sloan\",\n\"luminance_cd_m2\": -3", {"scene.json:4", "luminance"}, PLACIDO_INPUT},
-    {"\"image\": \"sloan\",\n\"distance_m\": \"far\"", {"scene.json:4", "\"infinity\""}, PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"luminance_cd_m2\": -3", {"scene.json:4", "luminance"},
+     PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"distance_m\": \"far\"", {"scene.json:4", "\"infinity\""},
+     PLACIDO_INPUT},
     {"\"image\": \"sloan\",\n\"distance_m\": 0", {"scene.json:4", "distance_m"}, PLACIDO_INPUT},
-    {"\"image\": \"sloan\",\n\"spectrum\": \"neon\"", {"scene.json:4", "wavelength"}, PLACIDO_INPUT},
+    {"\"image\": \"sloan\",\n\"spectrum\": \"neon\"", {"scene.json:4", "wavelength"},
+     PLACIDO_INPUT},
     {"\"image\": \"sloan\",\n\"spectrum\": 1200", {"scene.json:4", "380 to 780"}, PLACIDO_INPUT},
     {"\"image\": \"sloan\",\n\"spectrum\": [1]", {"scene.json:4", "daylight"}, PLACIDO_INPUT},
     {"\"image\": \"sloan\",\n\"depth\": \"none.tif\"", {"none.tif", "depth"}, PLACIDO_SYSTEM},

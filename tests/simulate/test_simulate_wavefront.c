@@ -326,7 +326,7 @@ static void nonsense_is_refused(void **state) {
   placido_error err = {0};
   placido_surface *surface = conic(7.8, 0), *plane = flat();
   const placido_eye wide = {.pupil_mm = 6, .pupil_x_mm = 2}, plain = {.pupil_mm = 3};
-  const placido_wavefront_options order = {.order = 11}, rays = {.rays = 10},
+  const placido_wavefront_options order = {.order = 16}, rays = {.rays = 10},
                                   missing = {.missing_max = 1.5};
   assert_int_equal(placido_wavefront_new(&w, surface, &wide, NULL, NULL, &err), PLACIDO_QUALITY);
   assert_non_null(strstr(err.text, "4.50 mm"));

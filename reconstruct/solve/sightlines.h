@@ -1,7 +1,7 @@
 /* All rays of a fit traced together: numbers of one kind side by side, cell by cell of the spline,
  * so that the rays of one cell share its polynomial and a processor's vectors are full. */
-#ifndef PLACIDO_SOLVE_BUNDLE_H
-#define PLACIDO_SOLVE_BUNDLE_H
+#ifndef PLACIDO_SOLVE_SIGHTLINES_H
+#define PLACIDO_SOLVE_SIGHTLINES_H
 
 #include "reconstruct/solve/conicoid.h"
 #include "reconstruct/solve/shape.h"
@@ -20,7 +20,7 @@ enum placido_ray_number {
   PLACIDO_RAY_EDGE_RADIUS,
   PLACIDO_RAY_EDGE_Z,
   PLACIDO_RAY_NOISE, /* of its sample */
-  PLACIDO_RAY_T, /* where it met the shape last */
+  PLACIDO_RAY_T,     /* where it met the shape last */
   /* found by tracing: */
   PLACIDO_RAY_RESIDUAL_PX, /* NaN: it misses */
   PLACIDO_RAY_BY_Z,        /* of the residual, px/mm */
@@ -33,7 +33,7 @@ enum placido_ray_number {
 };
 
 /* The rays stand in an order of their own, neighbours on the cornea near each other. */
-typedef struct placido_bundle {
+typedef struct placido_sightlines {
   placido_sample *samples; /* borrowed */
   size_t *sample;          /* a ray's own among them */
   size_t count;
@@ -46,7 +46,7 @@ typedef struct placido_bundle {
   size_t *order;         /* they by cell, */
   size_t *starts;        /* and where in it the cells begin; one more is the end */
   size_t starts_room;
-} placido_bundle;
+} placido_sightlines;
 
 /* What the rays are traced to: base + spline. The grid NULL: the base alone. */
 typedef struct placido_target {
@@ -56,27 +56,30 @@ typedef struct placido_target {
 } placido_target;
 
 /* Of samples with their rays and edges, which meet the target about where sample.t says. Free with
- * placido_bundle_free. PLACIDO_MEMORY. */
-int placido_bundle_new(placido_bundle *bundle, placido_sample *samples, size_t count,
-                       placido_error *err);
-void placido_bundle_free(placido_bundle *bundle);
+ * placido_sightlines_free. PLACIDO_MEMORY. */
+int placido_sightlines_new(placido_sightlines *sightlines, placido_sample *samples, size_t count,
+                           placido_error *err);
+void placido_sightlines_free(placido_sightlines *sightlines);
 
 /* Room for a grid's cells, before rays are traced to it. PLACIDO_MEMORY. */
-int placido_bundle_fit_grid(placido_bundle *bundle, const placido_grid *grid, placido_error *err);
+int placido_sightlines_fit_grid(placido_sightlines *sightlines, const placido_grid *grid,
+                                placido_error *err);
 
 /* Hears from the samples what is used and how noisy they are; a trace stays as good as it was. */
-void placido_bundle_hear(placido_bundle *bundle);
+void placido_sightlines_hear(placido_sightlines *sightlines);
 
 /* Follows all rays to the target, mirrors them and takes the misses. */
-void placido_bundle_trace(placido_bundle *bundle, const placido_target *target, int threads);
+void placido_sightlines_trace(placido_sightlines *sightlines, const placido_target *target,
+                              int threads);
 
 /* Orders the rays that count (those used that meet the target) by cell. */
-void placido_bundle_sort(placido_bundle *bundle, const placido_grid *grid);
+void placido_sightlines_sort(placido_sightlines *sightlines, const placido_grid *grid);
 
-/* Tells the samples of a traced bundle their residual and where they are (hit.x and hit.y). */
-void placido_bundle_tell(const placido_bundle *bundle);
+/* Tells the samples of a traced sightlines their residual and where they are (hit.x and hit.y). */
+void placido_sightlines_tell(const placido_sightlines *sightlines);
 
 /* Tells them everything; the target is the one that was traced last. */
-void placido_bundle_tell_all(placido_bundle *bundle, const placido_target *target, int threads);
+void placido_sightlines_tell_all(placido_sightlines *sightlines, const placido_target *target,
+                                 int threads);
 
 #endif
