@@ -82,7 +82,7 @@ static const eye eyes[] = {
      {{PLACIDO_PART_BICONIC, {.biconic = {7.8, -0.1, 7.7, -0.1, 0, 0, 0}}},
       {PLACIDO_PART_RIDGE, {.ridge = {0.012, 0.08, 0.3, 10}}},
       {PLACIDO_PART_ZERNIKE,
-       {.zernike = {{[6] = 4, [7] = 3, [9] = 2, [10] = 1.6, [11] = 1.6, [14] = 1.6}, 4}}}}},
+       {.zernike = {{[6] = 3, [7] = 2.2, [9] = 1.5, [10] = 1.2, [11] = 1.2, [14] = 1.2}, 4}}}}},
     /* Looking past the camera. */
     {"decentred",
      1,

@@ -14,10 +14,18 @@ static void write_figures(const placido_canvas *canvas, const placido_psf *psf) 
   placido_number_write(landed, sizeof landed,
                        100 * (double)psf->rays_landed / (double)psf->rays_entered, 2);
   placido_correction_write(correction, &psf->correction);
-  placido_canvas_print(canvas, 30, HEIGHT - 54, text_px, PLACIDO_LEFT,
-                       "pupil %g mm   ·   geometric Strehl ratio %.3g   ·   "
-                       "landed %s %% of %ld rays",
-                       psf->pupil_mm, psf->strehl_g, landed, psf->rays_entered);
+  if (psf->wavelength_nm > 0) {
+    placido_canvas_print(canvas, 30, HEIGHT - 54, text_px, PLACIDO_LEFT,
+                         "pupil %g mm   ·   diffraction at %g nm   ·   fullest bucket %.3g %%   ·   "
+                         "%.2f %% landed",
+                         psf->pupil_mm, psf->wavelength_nm, 100 * psf->strehl_g,
+                         100 * (1 - psf->outside));
+  } else {
+    placido_canvas_print(canvas, 30, HEIGHT - 54, text_px, PLACIDO_LEFT,
+                         "pupil %g mm   ·   geometric Strehl ratio %.3g   ·   "
+                         "landed %s %% of %ld rays",
+                         psf->pupil_mm, psf->strehl_g, landed, psf->rays_entered);
+  }
   placido_canvas_print(canvas, 30, HEIGHT - 24, text_px, PLACIDO_LEFT,
                        "correction %s   ·   retina at %.2f mm   ·   index %g", correction,
                        psf->retina_mm, psf->index);

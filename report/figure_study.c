@@ -102,7 +102,7 @@ int placido_figure_study_map(const placido_maps *maps, const double *pupils_mm, 
                              const char *path, placido_error *err) {
   size_t count;
   const placido_map_kind *kinds = placido_map_kinds(&count);
-  int axial = placido_maps_find("axial");
+  int axial = placido_maps_find(isfinite(maps->vertex_mm[0]) ? "axial_vertex" : "axial");
   placido_scale scale = placido_scale_for(&kinds[axial], PLACIDO_SCALE_ABSOLUTE, 0, 0);
   placido_map_field field;
   placido_canvas canvas;

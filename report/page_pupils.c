@@ -18,8 +18,14 @@ static void write_figures(FILE *stream, const placido_psf *psf) {
   char text[160], number[PLACIDO_NUMBER_SIZE], correction[PLACIDO_CORRECTION_SIZE];
   fputs("<table>\n<tbody>\n", stream);
   placido_number_significant(number, sizeof number, psf->strehl_g, 3);
-  placido_html_row(stream, "Geometric Strehl ratio", number);
-  write_rays(stream, psf);
+  if (psf->wavelength_nm > 0) {
+    snprintf(text, sizeof text, "diffraction at %g nm", psf->wavelength_nm);
+    placido_html_row(stream, "Light", text);
+    placido_html_row(stream, "Fullest bucket, share of the light that landed", number);
+  } else {
+    placido_html_row(stream, "Geometric Strehl ratio", number);
+    write_rays(stream, psf);
+  }
   placido_correction_write(correction, &psf->correction);
   placido_html_row(stream, "Correction", correction);
   snprintf(text, sizeof text, "%.3f mm behind the cornea's point on the axis, index %g",
@@ -28,6 +34,23 @@ static void write_figures(FILE *stream, const placido_psf *psf) {
   snprintf(text, sizeof text, "%g′ × %g′ (%.3g µm on the retina), %d × %d of them",
            psf->bucket_arcmin, psf->bucket_arcmin, psf->bucket_um, psf->n, psf->n);
   placido_html_row(stream, "Buckets", text);
+  fputs("</tbody>\n</table>\n", stream);
+}
+
+static void write_acuities(FILE *stream, const placido_report_pupil *pupil) {
+  char text[256], heading[96];
+  if (pupil->acuity_count == 0) {
+    return;
+  }
+  fputs("<table>\n<tbody>\n", stream);
+  for (size_t i = 0; i < pupil->acuity_count; i++) {
+    const placido_acuity *acuity = &pupil->acuities[i];
+    snprintf(heading, sizeof heading, "Predicted acuity, %s", acuity->test->title);
+    placido_acuity_write(text, sizeof text, acuity);
+    placido_html_row(stream, heading, text);
+  }
+  placido_ghosts_write(text, sizeof text, pupil->ghosts);
+  placido_html_row(stream, "Ghost images", text);
   fputs("</tbody>\n</table>\n", stream);
 }
 
@@ -71,6 +94,7 @@ static int write_pupil(FILE *stream, const placido_report *report,
   placido_html_print(stream, "Vision with a pupil of %g mm", pupil->psf->pupil_mm);
   fputs("</h2>\n", stream);
   int status = write_psf(stream, report, pupil, err);
+  write_acuities(stream, pupil);
   write_figures(stream, pupil->psf);
   if (pupil->scene_count > 0) {
     fprintf(stream, "<div class=\"%s\">\n", pupil->scene_count > 1 ? "pair scenes" : "scenes");

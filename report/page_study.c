@@ -20,26 +20,16 @@ static const char style[] =
     ".grid figcaption { margin: 0; font-size: .76em }\n"
     ".grid .seen img { border: 1px solid #bbb }\n"
     ".grid img { width: 100% }\n"
-    ".grid .head { font-weight: 600; border-bottom: 1px solid #bbb; align-self: end;\n"
+    ".grid .head { font-weight: 600; border-bottom: 1px solid #bbb; align-self: start;\n"
     "  font-size: .9em }\n"
     ".grid .head small { font-weight: 400; display: block }\n"
     ".grid .row { font-size: .86em }\n"
-    ".grid .map { align-self: start }\n"
     ".grid .psf img { max-width: 13rem; margin: 0 auto }\n"
     "@media print {\n"
     "  .grid img { max-height: 46mm; width: auto; max-width: 100%; margin: 0 auto }\n"
     "  .grid .psf img { max-height: 58mm }\n"
     "}\n"
     "</style>\n";
-
-void placido_study_write_acuity(char *text, size_t size, const placido_acuity *acuity) {
-  bool found = acuity->verdict == PLACIDO_ACUITY_FOUND;
-  double logmar = found ? acuity->logmar : acuity->bound_logmar;
-  const char *before = found                                         ? ""
-                       : acuity->verdict == PLACIDO_ACUITY_ALL_READ ? "better than "
-                                                                     : "worse than ";
-  snprintf(text, size, "%s20/%.0f", before, placido_acuity_snellen(logmar, 20));
-}
 
 static void write_head(FILE *stream, const placido_study *study) {
   placido_page_begin(stream, "Study of corneas", study->source);
@@ -50,8 +40,9 @@ static void write_head(FILE *stream, const placido_study *study) {
   fputs("</tbody>\n</table>\n", stream);
   fputs("<p class=\"small\">Each cornea is corrected for the best focus at each pupil (cylinder and "
         "distance of the retina); light comes from afar along the axis. The model has the cornea "
-        "alone: no lens, no colour. Acuity is what an ideal observer reads who knows the letters "
-        "as they look through this eye, ± one standard deviation.</p>\n</header>\n<main>\n", stream);
+        "alone: no lens, no colour. Two acuities: what the picture shows, the finest bars that "
+        "keep a tenth of their contrast; and what an ideal observer reads who knows how letters "
+        "look through this eye.</p>\n</header>\n<main>\n", stream);
   fputs(style, stream);
 }
 
@@ -61,22 +52,24 @@ static void write_findings(FILE *stream, const placido_study *study) {
   }
   fputs("<section>\n<h2>Against the seed's findings</h2>\n<table>\n<thead><tr>"
         "<th scope=\"col\">Corneas</th><th scope=\"col\">The seed (CWhatUC, 2000)</th>"
-        "<th scope=\"col\">Here</th><th scope=\"col\" class=\"number\">Agree</th></tr></thead>\n"
-        "<tbody>\n", stream);
+        "<th scope=\"col\">Pictures</th><th scope=\"col\" class=\"number\">Agree</th>"
+        "<th scope=\"col\">Ideal observer</th></tr></thead>\n<tbody>\n", stream);
   for (size_t k = 0; k < study->finding_count; k++) {
     const placido_study_finding *f = &study->findings[k];
     fputs("<tr><th scope=\"row\">", stream);
     placido_html_text(stream, f->group);
     fputs("</th><td>", stream);
     placido_html_text(stream, f->claim);
-    fputs("</td><td>", stream);
-    placido_html_print(stream, "20/%.0f to %s20/%.0f", f->best,
-                       f->worst_is_bound ? "worse than " : "", f->worst);
-    fprintf(stream, "</td><td class=\"number\">%zu of %zu</td></tr>\n", f->met, f->cells);
+    fputs("</td><td class=\"unit\">", stream);
+    placido_html_print(stream, "20/%.0f to 20/%.0f", f->best, f->worst);
+    fprintf(stream, "</td><td class=\"number\">%zu of %zu</td><td class=\"unit\">", f->met, f->cells);
+    placido_html_print(stream, "20/%.0f to 20/%.0f", f->observer_best, f->observer_worst);
+    fputs("</td></tr>\n", stream);
   }
   fputs("</tbody>\n</table>\n<p class=\"small\">About 20/80: from 20/50 to 20/127, two lines of a "
-        "chart either way. The seed's author read the simulated chart himself; docs/study.md says "
-        "why figures differ.</p>\n</section>\n", stream);
+        "chart either way. Agree: so many of the pupils that the finding is about. The seed's author "
+        "read pictures, as the pictures' acuity does; docs/study.md says why the observer's is "
+        "better.</p>\n</section>\n", stream);
 }
 
 static void write_acuity_cell(FILE *stream, const placido_study_cell *cell) {
@@ -85,16 +78,16 @@ static void write_acuity_cell(FILE *stream, const placido_study_cell *cell) {
     fputs("<td class=\"number\">–</td>", stream);
     return;
   }
-  placido_study_write_acuity(text, sizeof text, &cell->acuity);
   fputs("<td class=\"number\"><strong>", stream);
-  placido_html_text(stream, text);
-  fputs("</strong>", stream);
+  placido_html_text(stream, cell->bars_text);
+  fputs("</strong><br><span class=\"small\">", stream);
+  placido_html_text(stream, cell->acuity_text);
   if (cell->acuity.verdict == PLACIDO_ACUITY_FOUND) {
     placido_number_write(text, sizeof text, cell->acuity.logmar, 2);
     placido_number_write(spread, sizeof spread, cell->acuity.sigma, 2);
     placido_html_print(stream, " (%s ± %s)", text, spread);
   }
-  fputs("</td>", stream);
+  fputs("</span></td>", stream);
 }
 
 static void write_eye_row(FILE *stream, const placido_study *study, const placido_study_eye *eye) {
@@ -138,8 +131,9 @@ static void write_acuities(FILE *stream, const placido_study *study) {
     }
     write_eye_row(stream, study, eye);
   }
-  fputs("</tbody>\n</table>\n<p class=\"small\">Snellen fraction and, in brackets, decimal logarithm "
-        "of the stroke in minutes of arc (logMAR). Higher orders: corneal wavefront over 6 mm, "
+  fputs("</tbody>\n</table>\n<p class=\"small\">Above, what the pictures show; below, the ideal "
+        "observer: Snellen fraction and, in brackets, logarithm of the stroke in minutes of arc "
+        "(logMAR) ± one standard deviation. Higher orders: corneal wavefront over 6 mm, "
         "orders 3 to 8.</p>\n</section>\n", stream);
 }
 
@@ -147,10 +141,11 @@ static void write_column_head(FILE *stream, const placido_study_cell *cell) {
   char text[256];
   fprintf(stream, "<div class=\"head\">pupil %g mm", cell->pupil_mm);
   if (cell->failure[0] == '\0') {
-    placido_study_write_acuity(text, sizeof text, &cell->acuity);
     fputs(": ", stream);
-    placido_html_text(stream, text);
-    fputs("<small>", stream);
+    placido_html_text(stream, cell->bars_text);
+    fputs("<small>observer ", stream);
+    placido_html_text(stream, cell->acuity_text);
+    fputs(". ", stream);
     placido_ghosts_write(text, sizeof text, &cell->ghosts);
     placido_html_text(stream, text);
     fputs("</small>", stream);
@@ -183,11 +178,18 @@ static void write_lens(FILE *stream, const placido_study_cell *cell) {
   fputs("</figcaption>", stream);
 }
 
+static int write_map(FILE *stream, const placido_study_eye *eye, const char *folder,
+                     placido_error *err) {
+  const int status = write_picture(stream, folder, eye, "axial.png", "map",
+                                   "Axial power of the cornea with the pupils", err);
+  fputs("<figcaption>axial power; right: a point of light</figcaption></figure>\n", stream);
+  return status;
+}
+
 static int write_psfs(FILE *stream, const placido_study *study, const placido_study_eye *eye,
                       const char *folder, placido_error *err) {
   char name[64], alternative[160];
-  int status = PLACIDO_OK;
-  fputs("<div class=\"row\">point of light</div>\n", stream);
+  int status = write_map(stream, eye, folder, err);
   for (size_t k = 0; k < study->pupil_count && status == PLACIDO_OK; k++) {
     const placido_study_cell *cell = &eye->cells[k];
     if (cell->failure[0] != '\0') {
@@ -227,14 +229,6 @@ static int write_scene(FILE *stream, const placido_study *study, const placido_s
   return status;
 }
 
-static int write_map(FILE *stream, const placido_study_eye *eye, const char *folder,
-                     placido_error *err) {
-  const int status = write_picture(stream, folder, eye, "axial.png", "map",
-                                   "Axial power of the cornea with the pupils", err);
-  fputs("</figure>\n", stream);
-  return status;
-}
-
 static int write_eye(FILE *stream, const placido_study *study, const placido_study_eye *eye,
                      const char *folder, placido_error *err) {
   fputs("<article class=\"eye\">\n<h3>", stream);
@@ -243,13 +237,11 @@ static int write_eye(FILE *stream, const placido_study *study, const placido_stu
   placido_html_text(stream, eye->note);
   fprintf(stream, "</p>\n<div class=\"grid\" style=\"grid-template-columns: minmax(0, .8fr) "
           "repeat(%zu, minmax(0, 1fr))\">\n", study->pupil_count);
-  int status = write_map(stream, eye, folder, err);
+  fputs("<div></div>\n", stream);
   for (size_t k = 0; k < study->pupil_count; k++) {
     write_column_head(stream, &eye->cells[k]);
   }
-  if (status == PLACIDO_OK) {
-    status = write_psfs(stream, study, eye, folder, err);
-  }
+  int status = write_psfs(stream, study, eye, folder, err);
   for (size_t k = 0; k < study->scene_count && status == PLACIDO_OK; k++) {
     status = write_scene(stream, study, eye, k, folder, err);
   }

@@ -42,4 +42,9 @@ int placido_psf_relief_draw(const placido_psf_view *view, const placido_canvas *
 int placido_psf_plan_draw(const placido_psf_view *view, const placido_canvas *canvas, double left,
                           double top, double side, placido_error *err);
 
+/* Draws lines of equal light (relative to the peak) with their legend at the right and a scale bar;
+ * (left, top) is the corner of the square itself. */
+void placido_psf_contour_draw(const placido_psf_view *view, const placido_canvas *canvas,
+                              double left, double top, double side);
+
 #endif

@@ -2,8 +2,10 @@
 #ifndef PLACIDO_REPORT_H
 #define PLACIDO_REPORT_H
 
-#include <placido/index.h>
+#include <placido/acuity.h>
 #include <placido/difference.h>
+#include <placido/ghost.h>
+#include <placido/index.h>
 #include <placido/map.h>
 #include <placido/mires.h>
 #include <placido/simulate.h>
@@ -47,6 +49,11 @@ int placido_figure_frame(const placido_frame *frame, int width_px, const char *p
 /* The PSF as a height field in perspective with axes in minutes of arc, and as a plan beside it. */
 int placido_figure_psf(const placido_psf *psf, const char *path, placido_error *err);
 
+/* How good the image is: contours, modulation transfer, encircled energy, and the curves through
+ * focus (NULL: figures in their place). */
+int placido_figure_quality(const placido_psf *psf, const placido_focus_curve *curve,
+                           const char *path, placido_error *err);
+
 /* The wavefront as maps over the pupil, whole and from order 3 on, and its terms as bars with one
  * standard deviation each (`sigma_um` by OSA index; NULL or NaN: not known). */
 int placido_figure_wavefront(const placido_wavefront *wavefront, const double *sigma_um,
@@ -78,6 +85,9 @@ typedef struct placido_report_pupil {
   const char *const *scene_pictures; /* pupil-4mm/tumbling-e.png */
   double scene_arcmin_per_px;        /* of the pictures */
   size_t scene_count;
+  const placido_acuity *acuities;
+  size_t acuity_count; /* 0: neither acuities nor ghosts were asked for */
+  const placido_ghosts *ghosts;
 } placido_report_pupil;
 
 /* The wavefront through one pupil. `figures` are ordered as placido_wavefront_figures, `sigmas`

@@ -11,12 +11,21 @@
 #define PLACIDO_STUDY_SCENES_MAX 16
 #define PLACIDO_STUDY_FINDINGS_MAX 8
 
+/* Contrast at which lines count as told apart in a picture: a tenth, as photographers have it; at
+ * Rayleigh's limit of two points a circular pupil leaves 0.09. */
+#define PLACIDO_STUDY_CONTRAST 0.1
+
 /* One cornea through one pupil. Where `failure` says something there is nothing else. */
 typedef struct placido_study_cell {
   double pupil_mm;
   char failure[512];
   placido_eye eye; /* with what was found for the best focus */
   placido_acuity acuity;
+  char acuity_text[48]; /* "20/35", "worse than 20/1002" */
+  /* Smallest stroke from which on bars along the letters' keep PLACIDO_STUDY_CONTRAST, minutes of
+   * arc, decimal logarithm: what the picture shows. NaN: not even the largest. */
+  double bars_logmar;
+  char bars_text[48];
   placido_ghosts ghosts;
   double strehl_g, bucket_arcmin, outside; /* as in placido_psf */
   int buckets;
@@ -36,15 +45,15 @@ typedef struct placido_study_eye {
   placido_study_cell *cells; /* one a pupil */
 } placido_study_eye;
 
-/* What the seed found of a kind of cornea, and what this study finds. Acuities are denominators of
- * 20/x. */
+/* What the seed found of a kind of cornea, looking at pictures, and what the pictures of this study
+ * show. Acuities are denominators of 20/x. */
 typedef struct placido_study_finding {
   const char *group, *claim;    /* constants */
   double least_pupil_mm;        /* of the cells that it is about */
   double low, high;             /* that count as agreement */
   size_t cells, met;
-  double best, worst;           /* NaN: no cells */
-  bool worst_is_bound;          /* and worse than that */
+  double best, worst;           /* infinite: nothing is told apart */
+  double observer_best, observer_worst; /* of the ideal observer, who needs no such contrast */
 } placido_study_finding;
 
 /* Everything that the page shows; pointers are borrowed. */
@@ -61,10 +70,7 @@ typedef struct placido_study {
   const placido_notes *notes;
 } placido_study;
 
-/* "20/35", "worse than 20/1002": at most `size` bytes. */
-void placido_study_write_acuity(char *text, size_t size, const placido_acuity *acuity);
-
-/* A cornea's axial power as a disc without axes, on one and the same scale for every cornea, with
+/* A cornea's axial power (about its vertex, where it has one) as a disc without axes, on one and the same scale for every cornea, with
  * circles as large as the pupils. */
 int placido_figure_study_map(const placido_maps *maps, const double *pupils_mm, size_t pupil_count,
                              const char *path, placido_error *err);

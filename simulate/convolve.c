@@ -20,9 +20,8 @@ static int spread(placido_image *target, const placido_image *source,
   return placido_convolver_run(convolver, planes, (size_t)colours, err);
 }
 
-int placido_convolve_as(placido_image *target, const placido_image *source,
-                        const placido_psf *psf, const placido_convolution *how,
-                        placido_notes *notes, placido_error *err) {
+int placido_convolve_as(placido_image *target, const placido_image *source, const placido_psf *psf,
+                        const placido_convolution *how, placido_notes *notes, placido_error *err) {
   placido_convolver *convolver;
   placido_transfer *transfer = NULL;
   if (source->planes == 4) {

@@ -13,9 +13,8 @@
  * is copied. `target` has the size of `source`. A PSF with all its light in one bucket needs no
  * transform: then the result is the shifted image times that value, exact to the last bit.
  * `how` and `notes` may be NULL. Returns PLACIDO_OK, PLACIDO_INPUT, PLACIDO_MEMORY. */
-int placido_convolve_as(placido_image *target, const placido_image *source,
-                        const placido_psf *psf, const placido_convolution *how,
-                        placido_notes *notes, placido_error *err);
+int placido_convolve_as(placido_image *target, const placido_image *source, const placido_psf *psf,
+                        const placido_convolution *how, placido_notes *notes, placido_error *err);
 
 /* The same in the usual way. */
 int placido_convolve(placido_image *target, const placido_image *source, const placido_psf *psf,

@@ -30,7 +30,8 @@ void placido_fft_free(placido_fft *fft);
 /* Sizes only, for at least columns × rows. */
 placido_fft placido_fft_shape(int columns, int rows);
 
-/* FFTW's planner is one for the whole process: who makes or destroys plans of his own holds this. */
+/* FFTW's planner, of either precision, is one for the whole process: who makes or destroys plans of
+ * his own, or touches its wisdom, holds this. */
 void placido_fft_lock(void);
 void placido_fft_unlock(void);
 

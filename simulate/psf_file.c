@@ -3,7 +3,10 @@
 #include "base/json.h"
 #include "simulate/effects/left_out.h"
 
+#include <placido/quality.h>
 #include <placido/simulate.h>
+
+#include <string.h>
 
 static void write_row(FILE *stream, const double *values, int n) {
   for (int i = 0; i < n; i++) {
@@ -49,6 +52,9 @@ static json_t *left_out_json(const placido_psf *psf) {
   const placido_left_out *effects = placido_left_out_list(&count);
   json_t *list = json_array();
   for (size_t i = 0; i < count; i++) {
+    if (psf->wavelength_nm > 0 && strcmp(effects[i].name, "diffraction") == 0) {
+      continue;
+    }
     json_t *object = json_object();
     bool whole = put(object, "name", json_string(effects[i].name)) &&
                  put(object, "why", json_string(effects[i].why)) &&
@@ -64,15 +70,40 @@ static json_t *left_out_json(const placido_psf *psf) {
 
 static json_t *effects_json(const placido_psf *psf) {
   json_t *object = json_object(), *ran = json_array();
+  bool waves = psf->wavelength_nm > 0;
   bool worn = psf->correction.m_D != 0 || psf->correction.j0_D != 0 || psf->correction.j45_D != 0;
   bool whole = json_array_append_new(ran, json_string("corneal-refraction")) == 0 &&
-               (!worn || json_array_append_new(ran, json_string("thin-lens-correction")) == 0);
+               (!worn || json_array_append_new(ran, json_string("thin-lens-correction")) == 0) &&
+               (!waves || json_array_append_new(ran, json_string("diffraction")) == 0);
   whole = put(object, "ran", ran) && put(object, "left_out", left_out_json(psf)) && whole;
   if (whole) {
     return object;
   }
   json_decref(object);
   return NULL;
+}
+
+/* Contrast at a few frequencies, null where the buckets are too wide for one, and the radii that hold
+ * half and four fifths of the light. */
+static bool put_quality(json_t *root, const placido_psf *psf) {
+  static const int frequencies_cpd[] = {5, 10, 20, 30};
+  placido_mtf mtf = {0};
+  json_t *list = json_array();
+  double most_cpd = 30 / psf->bucket_arcmin;
+  int count = most_cpd >= 30 ? 7 : (int)(most_cpd / 5) + 1;
+  bool known = count > 1 && placido_mtf_new(&mtf, psf, count, 5, NULL) == PLACIDO_OK, whole = true;
+  for (size_t i = 0; i < sizeof frequencies_cpd / sizeof *frequencies_cpd; i++) {
+    int k = frequencies_cpd[i] / 5;
+    json_t *row = json_object();
+    whole = put(row, "cycles_per_degree", json_integer(frequencies_cpd[i])) &&
+            put(row, "contrast", known && k < count ? placido_json_real(mtf.radial[k])
+                                                    : json_null()) && whole;
+    whole = json_array_append_new(list, row) == 0 && whole;
+  }
+  placido_mtf_free(&mtf);
+  return put(root, "mtf", list) && whole &&
+         put_real(root, "encircled_50_arcmin", placido_encircled_radius(psf, 0.5)) &&
+         put_real(root, "encircled_80_arcmin", placido_encircled_radius(psf, 0.8));
 }
 
 static bool put_method(json_t *root, const placido_psf *psf) {
@@ -94,6 +125,7 @@ static json_t *psf_json(const placido_psf *psf, double seconds) {
                put_real(root, "outside", psf->outside) &&
                put_real(root, "strehl_g", psf->strehl_g) &&
                put_real(root, "rms_arcmin", placido_psf_rms_arcmin(psf)) &&
+               put_quality(root, psf) &&
                put_real(root, "bucket_arcmin", psf->bucket_arcmin) &&
                put_real(root, "bucket_um", psf->bucket_um) &&
                put(root, "correction", correction_json(&psf->correction)) &&

@@ -4,7 +4,7 @@
 #include "acquire/cli/bench_focus.h"
 #include "acquire/cli/bench_sight.h"
 
-static bench_simulate_part *const parts[] = {bench_rays, bench_spread, bench_focus};
+static bench_simulate_part *const parts[] = {bench_rays, bench_waves, bench_spread, bench_focus};
 
 static int run(struct bench_run *bench, placido_error *err) {
   const struct bench_sight *sight;

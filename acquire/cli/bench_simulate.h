@@ -1,5 +1,5 @@
-/* What `placido bench simulate` measures, part by part: a row of the table in bench_simulate.c and a
- * file of its own. */
+/* What `placido bench simulate` measures, part by part: a row of the table in bench_simulate.c and
+ * a file of its own. */
 #ifndef PLACIDO_CLI_BENCH_SIMULATE_H
 #define PLACIDO_CLI_BENCH_SIMULATE_H
 
@@ -18,5 +18,8 @@ bench_simulate_part bench_rays;
 
 /* A picture spread by it. */
 bench_simulate_part bench_spread;
+
+/* Waves through a pupil, and Zernike terms. */
+bench_simulate_part bench_waves;
 
 #endif

@@ -2,13 +2,18 @@
 #include "acquire/cli/examination.h"
 
 static examination_step *const steps[] = {step_scenes, step_capture, step_mires, step_fit,
-                                          step_maps,   step_wavefront, step_see, step_save, NULL};
+                                          step_maps,   step_wavefront, step_see, step_acuity, step_save, NULL};
 
 static const struct recipe recipe = {
     .format = "placido-exam/1", .marker = "exam.json", .steps = steps};
 
+/* Who reads an examination counts on 257 buckets a side; growing must be asked for. */
 static int run(const struct settings *settings, struct outcome *outcome, placido_error *err) {
-  return examination_run(&recipe, settings, outcome, err);
+  struct settings exam = *settings;
+  if (exam.rays.grow == 0) {
+    exam.rays.grow = 1;
+  }
+  return examination_run(&recipe, &exam, outcome, err);
 }
 
 static const struct option_group *const groups[] = {

@@ -67,6 +67,13 @@ static int draw_psf(const struct examination *examination, size_t pupil, size_t 
   return placido_figure_psf(&examination->views.items[pupil].psf, path, err);
 }
 
+static int draw_quality(const struct examination *examination, size_t pupil, size_t b,
+                        const char *path, placido_error *err) {
+  (void)b;
+  const struct view *view = &examination->views.items[pupil];
+  return placido_figure_quality(&view->psf, view->focus.count > 0 ? &view->focus : NULL, path, err);
+}
+
 static void name_wavefront(char name[JOB_NAME_SIZE], double pupil_mm) {
   snprintf(name, JOB_NAME_SIZE, "maps/wavefront-%gmm.png", pupil_mm);
 }
@@ -93,6 +100,7 @@ void figures_add(struct jobs *jobs, const struct examination *examination) {
   }
   for (size_t i = 0; i < examination->views.count; i++) {
     jobs_add(jobs, draw_psf, i, 0, "%s/psf.png", examination->views.items[i].directory);
+    jobs_add(jobs, draw_quality, i, 0, "%s/quality.png", examination->views.items[i].directory);
   }
   if (!examination->fit) {
     return;
@@ -212,7 +220,10 @@ static void list_pupil(struct page *page, size_t index, const struct views *view
                                   .psf_picture = page->psf_files[index],
                                   .scene_names = page->scene_names[index],
                                   .scene_pictures = page->scene_pictures[index],
-                                  .scene_arcmin_per_px = view->psf.bucket_arcmin};
+                                  .scene_arcmin_per_px = view->psf.bucket_arcmin,
+                                  .acuities = view->acuity.items,
+                                  .acuity_count = view->acuity.count,
+                                  .ghosts = &view->acuity.ghosts};
   for (size_t i = 0; i < views->scene_count; i++) {
     if (!view->seen[i].data) {
       continue;

@@ -19,7 +19,7 @@ static const struct command *const commands[] = {&command_exam, &command_reconst
                                                  &command_record,
                                                  &command_import, &command_export,
                                                  &command_calibrate, &command_verify, &command_compare, &command_iso_check,
-                                                 &command_bench};
+                                                 &command_study, &command_bench};
 #define COMMAND_COUNT (sizeof commands / sizeof commands[0])
 
 /* Exit codes; docs/man/placido.1 lists them. A status that is not here gives EXIT_SYSTEM. */

@@ -17,7 +17,8 @@ static const char *const known[] = {".",          "..",         "exam.json",
                                     "indices.json", "maps_more.csv", "maps_sigma.csv",
                                     "compare.json", "compare.html", "difference.csv",
                                     "import.json", "wavefront.json", "iso-check.html",
-                                    "iso-check.png", "iso-check.csv", "iso-check.json"};
+                                    "iso-check.png", "iso-check.csv", "iso-check.json",
+                                    "study.html", "study.csv", "study.json", "eyes"};
 static const char pupil_folder[] = "pupil-";
 
 static bool is_known(const char *name) {

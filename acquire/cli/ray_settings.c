@@ -53,6 +53,7 @@ placido_optics ray_settings_read(const struct settings *settings, int threads) {
                           .pattern = settings->rays.pattern,
                           .light = settings->rays.light,
                           .grow = settings->rays.grow,
+                          .wavelength_nm = settings->rays.wavelength_nm,
                           .bucket_arcmin = settings->bucket_arcmin,
                           .cwhatuc = settings->cwhatuc,
                           .threads = threads};

@@ -12,6 +12,8 @@ struct ray_settings {
   enum placido_pattern_kind pattern;
   enum placido_light_kind light;
   double grow; /* 0: the default */
+  double wavelength_nm; /* of diffraction; 0: rays */
+  double through_focus_D; /* how far a curve goes either way; 0: none */
 };
 
 int parse_pattern(void *field, const struct option_row *row, const char *text,

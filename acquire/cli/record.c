@@ -117,6 +117,8 @@ static struct builder build_settings(const struct examination *examination) {
     put(&builder, "light", record_text(ray_light_name(settings->cwhatuc ? PLACIDO_LIGHT_COUNTED
                                                                         : settings->rays.light)));
     put_asked(&builder, "grow", settings->rays.grow);
+    put_asked(&builder, "diffraction_nm", settings->rays.wavelength_nm);
+    put_asked(&builder, "through_focus_D", settings->rays.through_focus_D);
     put_asked(&builder, "bucket_arcmin", settings->bucket_arcmin);
     put(&builder, "cwhatuc", json_boolean(settings->cwhatuc));
   }
@@ -281,6 +283,15 @@ static void put_lens(struct builder *builder, const struct prescription *lens) {
   put_real(builder, "axis_deg", lens->axis_deg);
 }
 
+/* logMAR by test; null where it lies beyond. */
+static struct builder build_acuity(const struct acuity_view *view) {
+  struct builder builder = builder_new();
+  for (size_t i = 0; i < view->count; i++) {
+    put_real(&builder, view->items[i].test->name, view->items[i].logmar);
+  }
+  return builder;
+}
+
 static struct builder build_pupil(const struct view *view, const struct settings *settings) {
   struct builder builder = builder_new(), glasses = builder_new();
   const struct prescription cornea = prescription_cornea(&view->psf.correction);
@@ -297,6 +308,10 @@ static struct builder build_pupil(const struct view *view, const struct settings
   put_integer(&builder, "rays_entered", view->psf.rays_entered);
   put_integer(&builder, "rays_landed", view->psf.rays_landed);
   put_integer(&builder, "rays_missed", view->psf.rays_missed);
+  if (view->acuity.count > 0) {
+    put_object(&builder, "logmar", build_acuity(&view->acuity));
+    put_integer(&builder, "ghosts", view->acuity.ghosts.count);
+  }
   return builder;
 }
 

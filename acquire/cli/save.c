@@ -86,6 +86,19 @@ static int save_psf_figures(const struct examination *examination, size_t pupil,
   return placido_psf_save_json(&view->psf, view->seconds, path, err);
 }
 
+static int save_focus(const struct examination *examination, size_t pupil, size_t b,
+                      const char *path, placido_error *err) {
+  (void)b;
+  return placido_focus_curve_save_csv(&examination->views.items[pupil].focus, path, err);
+}
+
+static int save_acuity(const struct examination *examination, size_t pupil, size_t b,
+                       const char *path, placido_error *err) {
+  (void)b;
+  const struct view *view = &examination->views.items[pupil];
+  return acuity_save(&view->acuity, view->psf.pupil_mm, path, err);
+}
+
 static int save_scene(const struct examination *examination, size_t pupil, size_t scene,
                       const char *path, placido_error *err) {
   const struct views *views = &examination->views;
@@ -112,6 +125,12 @@ static void add_views(struct jobs *jobs, const struct views *views) {
     const struct view *view = &views->items[i];
     jobs_add(jobs, save_psf_table, i, 0, "%s/psf.csv", view->directory);
     jobs_add(jobs, save_psf_figures, i, 0, "%s/psf.json", view->directory);
+    if (view->focus.count > 0) {
+      jobs_add(jobs, save_focus, i, 0, "%s/focus.csv", view->directory);
+    }
+    if (view->acuity.count > 0) {
+      jobs_add(jobs, save_acuity, i, 0, "%s/acuity.json", view->directory);
+    }
     for (size_t k = 0; k < views->scene_count; k++) {
       if (view->seen[k].data) {
         jobs_add(jobs, save_scene, i, k, "%s/%s.png", view->directory, views->stems[k]);

@@ -126,6 +126,9 @@ static const struct option_row seeing_rows[] = {
      FIELD(pupils_mm), parse_numbers, 0.1, 12},
     {"scene", 0, "NAME|FILE", "What is looked at: a chart by name or a placido-scene/1 file. May "
      "be given several times (default: tumbling-e).", FIELD(scenes), parse_text_more, 0, 0},
+    {"acuity", 0, "TEST,...", "Tests whose acuity is predicted: e (tumbling E), c and c8 (Landolt C in "
+     "four and eight directions), sloan, or none (default e,c,sloan).", FIELD(acuity),
+     parse_acuity, 0, 0},
     {"allow-coarse", 0, NULL, "Show scenes whose pixels are larger than the point spread "
      "function's buckets, too. Blur finer than a pixel cannot be told from the pixel.",
      FIELD(allow_coarse), parse_switch, 0, 0},
@@ -140,12 +143,23 @@ static const struct option_row seeing_rows[] = {
      "spread over what its cell of the pupil becomes on the retina (default), or counted in the "
      "bucket that it meets (with --cwhatuc).", FIELD(rays.light), parse_light, 0, 0},
     {"grow", 0, "TIMES", "Where over 0.1 % of the light would fall outside, the point spread "
-     "function gets more buckets than its 257 a side, up to so many times (default 4; 1: never).",
-     FIELD(rays.grow), parse_number, 1, 15},
+     "function gets more buckets than its 257 a side, up to so many times (default 4, of exam 1: never).",
+     FIELD(rays.grow), parse_number, 1, 16},
     {"bucket", 0, "ARCMIN", "Width of a bucket of the point spread function, minutes of arc "
      "(default 0.5).", FIELD(bucket_arcmin), parse_number, 0.01, 10},
+    {"diffraction", 0, "NM", "Waves of this length, nm, in place of rays: 555 for green. Below a "
+     "pupil of 3 mm they, not the cornea, set the limit.", FIELD(rays.wavelength_nm),
+     parse_number, 300, 1200},
+    {"through-focus", 0, "D", "Curves of image quality against a lens of up to so many dioptres "
+     "either way (default none).", FIELD(rays.through_focus_D), parse_number, 0.1, 10},
     {"cwhatuc", 0, NULL, "As the program CWhatUC did it: buckets of 2.5 µm, each called half a "
      "minute.", FIELD(cwhatuc), parse_switch, 0, 0},
+    {"double", 0, NULL, "Spread scenes in double precision: twice the time, and less rounding than "
+     "any picture shows.", FIELD(spread.doubles), parse_switch, 0, 0},
+    {"memory", 0, "MB", "Most memory for one tile of a scene and for its point spread function each; "
+     "larger scenes go in tiles (default 1024).", FIELD(spread.memory_MB), parse_number, 1, 1e6},
+    {"wisdom", 0, NULL, "Measure once which transforms are quickest on this machine and keep that in "
+     "the user's cache. Rounding then depends on it.", FIELD(spread.wisdom), parse_switch, 0, 0},
 };
 
 static const struct option_row wavefront_rows[] = {
@@ -154,7 +168,7 @@ static const struct option_row wavefront_rows[] = {
     {"wavefront-centre", 0, "X,Y", "Their centre, mm from the instrument's axis (default 0,0).",
      FIELD(wavefront_centre_mm), parse_pair, -6, 6},
     {"wavefront-order", 0, "N", "Highest order of the Zernike terms (default 8).",
-     FIELD(wavefront_order), parse_integer, 2, 10},
+     FIELD(wavefront_order), parse_integer, 2, 15},
     {"wavefront-index", 0, "N", "Refractive index behind the cornea: 1.3375 keratometric, 1.376 "
      "of the cornea itself (default: --index, else 1.3375).", FIELD(wavefront_index),
      parse_number, 1.01, 2},

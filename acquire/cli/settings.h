@@ -2,11 +2,13 @@
 #ifndef PLACIDO_CLI_SETTINGS_H
 #define PLACIDO_CLI_SETTINGS_H
 
+#include "acquire/cli/acuity.h"
 #include "acquire/cli/exchange_settings.h"
 #include "acquire/cli/eye_settings.h"
 #include "acquire/cli/map_settings.h"
 #include "acquire/cli/options.h"
 #include "acquire/cli/ray_settings.h"
+#include "acquire/cli/spread_settings.h"
 #include "acquire/cli/take_settings.h"
 
 #include <placido/phantom.h>
@@ -45,7 +47,9 @@ struct settings {
   int samples;
   bool cwhatuc;
   struct ray_settings rays;
+  struct acuity_wish acuity;
   struct eye_settings behind; /* the cornea */
+  struct spread_settings spread;
 
   /* the corneal wavefront */
   struct number_list wavefront_mm, wavefront_centre_mm; /* pupils; x and y */
@@ -75,6 +79,9 @@ struct settings {
 
   /* benchmarks */
   bool quick;
+
+  /* studies */
+  const char *study_scenes, *study_eyes; /* names between commas; NULL: the default */
 
   /* recording */
   struct take_settings take;
@@ -109,6 +116,9 @@ extern const struct option_group options_take, options_burst;
 
 /* In iso_settings.c. */
 extern const struct option_group options_iso;
+
+/* In study_settings.c. */
+extern const struct option_group options_study;
 
 /* "Z" or "Z,SIGMA" into a struct distance; without SIGMA it counts as exactly known. */
 int parse_distance(void *field, const struct option_row *row, const char *text,

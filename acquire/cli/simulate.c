@@ -1,7 +1,7 @@
 /* `placido simulate`: what an eye with a given surface sees. */
 #include "acquire/cli/examination.h"
 
-static examination_step *const steps[] = {step_scenes, step_surface, step_see, step_save, NULL};
+static examination_step *const steps[] = {step_scenes, step_surface, step_see, step_acuity, step_save, NULL};
 
 static const struct recipe recipe = {
     .format = "placido-simulation/1", .marker = "simulation.json", .steps = steps};

@@ -3,6 +3,7 @@
 #define PLACIDO_CLI_STUDY_H
 
 #include "acquire/cli/command.h"
+#include "acquire/cli/views.h"
 #include "base/file.h"
 #include "report/study.h"
 
@@ -14,12 +15,11 @@
 struct study {
   const struct settings *settings;
   struct outcome *outcome;
-  int threads;
-  char created[32], test[96], scene_list[4096];
+  char created[32], test[96];
   placido_study page;
   placido_study_eye *eyes;
   placido_surface **surfaces; /* one an eye; NULL where it failed */
-  size_t eye_count, eye_room, failed;
+  size_t eye_count, failed;
   placido_study_cell *cells;  /* of all eyes, pupil by pupil */
   placido_notes *cell_notes;  /* one a cell */
   placido_scene scenes[PLACIDO_STUDY_SCENES_MAX];
@@ -29,9 +29,8 @@ struct study {
   placido_directory directory;
 };
 
-/* An eye more, named `name` or, where that is taken, with a number behind; NULL and an error where
- * there is no room. */
-placido_study_eye *study_add(struct study *study, const char *name, placido_error *err);
+/* An eye more, named `name` or, where that is taken, with a number behind. */
+int study_add(placido_study_eye **eye, struct study *study, const char *name, placido_error *err);
 
 /* The phantom's eyes of the study, or those that --eyes names. */
 int study_list_built_in(struct study *study, placido_error *err);

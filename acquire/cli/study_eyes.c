@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define REGULAR "Regular, with or without astigmatism"
+#define REGULAR "Regular corneas"
 #define PRK "After photorefractive keratectomy"
 #define KERATOCONUS "Keratoconus"
 #define DIPLOPIA "Monocular diplopia"
@@ -70,10 +70,11 @@ static int add_built_in(struct study *study, const char *name, placido_error *er
   if (status != PLACIDO_OK) {
     return status;
   }
-  placido_study_eye *eye = study_add(study, name, err);
-  if (!eye) {
+  placido_study_eye *eye;
+  status = study_add(&eye, study, name, err);
+  if (status != PLACIDO_OK) {
     placido_surface_free(surface);
-    return err ? err->status : PLACIDO_MEMORY;
+    return status;
   }
   study->surfaces[study->eye_count - 1] = surface;
   for (size_t i = 0; i < KNOWN_COUNT; i++) {
@@ -96,7 +97,7 @@ static int add_listed(struct study *study, const char *list, placido_error *err)
     status = add_built_in(study, name, err);
     at += length + (at[length] == ',');
   }
-  return status == PLACIDO_INPUT && err ? (err->status = STATUS_USAGE) : status;
+  return status == PLACIDO_INPUT ? STATUS_USAGE : status;
 }
 
 int study_list_built_in(struct study *study, placido_error *err) {
@@ -127,23 +128,22 @@ static void count_cell(placido_study_finding *finding, const placido_study_eye *
                        const placido_study_cell *cell) {
   const bool found = cell->acuity.verdict == PLACIDO_ACUITY_FOUND;
   const double logmar = found ? cell->acuity.logmar : cell->acuity.bound_logmar;
-  const double x = placido_acuity_snellen(logmar, 20);
-  const bool bound = !found && cell->acuity.verdict != PLACIDO_ACUITY_ALL_READ;
+  const double observer = placido_acuity_snellen(logmar, 20);
+  const double x = isnan(cell->bars_logmar) ? (double)INFINITY
+                                            : placido_acuity_snellen(cell->bars_logmar, 20);
   finding->cells++;
   finding->met += x >= finding->low && x <= finding->high && has_expected_ghost(eye, cell);
-  if (!(x >= finding->best)) {
-    finding->best = x;
-  }
-  if (!(x <= finding->worst)) {
-    finding->worst = x;
-    finding->worst_is_bound = bound;
-  }
+  finding->best = fmin(finding->best, x);
+  finding->worst = fmax(finding->worst, x);
+  finding->observer_best = fmin(finding->observer_best, observer);
+  finding->observer_worst = fmax(finding->observer_worst, observer);
 }
 
 void study_find(placido_study *page) {
   for (size_t k = 0; k < sizeof claims / sizeof claims[0]; k++) {
     placido_study_finding finding = claims[k];
-    finding.best = finding.worst = (double)NAN;
+    finding.best = finding.worst = (double)NAN; /* fmin and fmax take the other */
+    finding.observer_best = finding.observer_worst = (double)NAN;
     for (size_t i = 0; i < page->eye_count; i++) {
       const placido_study_eye *eye = &page->eyes[i];
       for (size_t p = 0; p < page->pupil_count && strcmp(eye->group, finding.group) == 0; p++) {

@@ -95,14 +95,15 @@ static int add_file(struct study *study, const char *name, const char *path, pla
   if ((list && !study_is_listed(list, name)) || is_other(path)) {
     return PLACIDO_OK;
   }
-  placido_study_eye *eye = study_add(study, name, err);
-  if (!eye) {
-    return err ? err->status : PLACIDO_MEMORY;
+  placido_study_eye *eye;
+  int status = study_add(&eye, study, name, err);
+  if (status != PLACIDO_OK) {
+    return status;
   }
   placido_error reason = {0};
   snprintf(eye->source, sizeof eye->source, "%s", path);
-  const int status = placido_surface_load(&study->surfaces[study->eye_count - 1], path,
-                                          &study->outcome->notes, &reason);
+  status = placido_surface_load(&study->surfaces[study->eye_count - 1], path,
+                                &study->outcome->notes, &reason);
   if (status == PLACIDO_MEMORY) {
     return placido_error_set(err, status, "%s", reason.text);
   }

@@ -63,9 +63,22 @@ static void print_view(const struct settings *settings, const struct view *view)
   write_lens(cornea, &near);
   write_lens(spectacles, &far);
   const bool same = strcmp(cornea, spectacles) == 0 || isnan(far.sphere_D);
-  say(settings, "pupil %g mm: lens %s%s%s%s, retina at %.3f mm, Strehl (geometric) %.4f",
+  say(settings, "pupil %g mm: lens %s%s%s%s, retina at %.3f mm, %s %.4f",
       psf->pupil_mm, cornea, same ? "" : " (", same ? "" : spectacles,
-      same ? "" : " as spectacles)", psf->retina_mm, psf->strehl_g);
+      same ? "" : " as spectacles)", psf->retina_mm,
+      psf->wavelength_nm > 0 ? "fullest bucket" : "Strehl (geometric)", psf->strehl_g);
+}
+
+static void print_acuity(const struct settings *settings, const struct acuity_view *view) {
+  char text[256];
+  for (size_t i = 0; i < view->count; i++) {
+    placido_acuity_write(text, sizeof text, &view->items[i]);
+    say(settings, "  %-12s %s", view->items[i].test->name, text);
+  }
+  if (view->count > 0 && view->ghosts.count > 0) {
+    placido_ghosts_write(text, sizeof text, &view->ghosts);
+    say(settings, "  %s", text);
+  }
 }
 
 void summary_print(const struct examination *examination) {
@@ -82,6 +95,7 @@ void summary_print(const struct examination *examination) {
   wavefronts_print(&examination->wavefronts, settings);
   for (size_t i = 0; i < examination->views.count; i++) {
     print_view(settings, &examination->views.items[i]);
+    print_acuity(settings, &examination->views.items[i].acuity);
   }
   const bool page = figures_available() && examination->views.count > 0;
   say(settings, "%s/%s", settings->output, page ? "report.html" : examination->recipe->marker);

@@ -27,7 +27,7 @@ static void make_stem(char stem[80], const char *name) {
 /* Two scenes of one name would be one file; the PSF's own picture has its name already. */
 static int check_stem(const struct views *views, size_t index, placido_error *err) {
   const char *stem = views->stems[index];
-  bool taken = strcmp(stem, "psf") == 0;
+  bool taken = strcmp(stem, "psf") == 0 || strcmp(stem, "quality") == 0;
   for (size_t i = 0; i < index; i++) {
     taken = taken || strcmp(stem, views->stems[i]) == 0;
   }
@@ -59,6 +59,7 @@ static int check_pupils(const struct number_list *pupils, placido_error *err) {
   return PLACIDO_OK;
 }
 
+#define FOCUS_STEPS 41
 #define CHART_COARSEST_ARCMIN 0.5
 #define CHART_FINEST_ARCMIN 0.05
 
@@ -66,6 +67,10 @@ static int check_seeing(const struct settings *settings, placido_error *err) {
   if (settings->cwhatuc && settings->bucket_arcmin > 0.0) {
     return placido_error_set(err, STATUS_USAGE,
                              "--cwhatuc has buckets of its own: leave --bucket out");
+  }
+  if (settings->cwhatuc && settings->rays.wavelength_nm > 0.0) {
+    return placido_error_set(err, STATUS_USAGE,
+                             "--cwhatuc knows rays, no waves: leave --diffraction out");
   }
   const int status = eye_settings_check(settings, err);
   return status == PLACIDO_OK ? check_pupils(&settings->pupils_mm, err) : status;
@@ -109,19 +114,29 @@ static int see_psf(struct examination *examination, struct view *view, double pu
     return status;
   }
   const placido_optics optics = ray_settings_read(settings, examination->threads);
-  status = placido_psf_new(&view->psf, NULL, examination->surface, &eye, &optics,
+  status = placido_psf_new(&view->psf, &view->eye, examination->surface, &eye, &optics,
                            &examination->outcome->notes, err);
   name_pupil(view->directory, pupil_mm);
   view->seconds = stages_elapsed(stages);
+  const double reach_D = settings->rays.through_focus_D;
+  if (status == PLACIDO_OK && reach_D > 0) {
+    stages_next(stages, "focus %g mm", pupil_mm);
+    status = placido_focus_curve_new(&view->focus, examination->surface, &view->eye, &optics,
+                                     -reach_D, reach_D, FOCUS_STEPS, err);
+  }
   return status;
 }
 
 static int see_scene(struct examination *examination, struct view *view, size_t scene,
                      placido_error *err) {
   struct views *views = &examination->views;
+  placido_notes *notes = &examination->outcome->notes;
   placido_error reason = {0};
-  const int status = placido_scene_see(&view->seen[scene], &views->scenes[scene], &view->psf,
-                                       examination->threads, &reason);
+  char folder[PLACIDO_PATH_MAX];
+  const placido_convolution how =
+      spread_settings_read(folder, examination->settings, examination->threads, notes);
+  const int status = placido_scene_see_as(&view->seen[scene], &views->scenes[scene], &view->psf,
+                                          &how, notes, &reason);
   if (status == PLACIDO_QUALITY) {
     placido_notes_add(&examination->outcome->notes, "left out: %s", reason.text);
     return PLACIDO_OK;
@@ -200,6 +215,7 @@ void views_free(struct views *views) {
   for (size_t i = 0; i < LIST_MAX; i++) {
     placido_scene_free(&views->scenes[i]);
     placido_psf_free(&views->items[i].psf);
+    placido_focus_curve_free(&views->items[i].focus);
     for (size_t k = 0; k < LIST_MAX; k++) {
       placido_image_free(&views->items[i].seen[k]);
     }

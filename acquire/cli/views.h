@@ -2,14 +2,18 @@
 #ifndef PLACIDO_CLI_VIEWS_H
 #define PLACIDO_CLI_VIEWS_H
 
+#include "acquire/cli/acuity.h"
 #include "acquire/cli/options.h"
 
 #include <placido/simulate.h>
 
 struct view {
   char directory[32]; /* pupil-4mm */
+  placido_eye eye;                /* with what was searched */
   placido_psf psf;
   double seconds;                 /* that the PSF took */
+  placido_focus_curve focus;      /* count 0: it was not asked for */
+  struct acuity_view acuity;
   placido_image seen[LIST_MAX];   /* by scene, encoded as sRGB; no data: it could not be shown */
 };
 

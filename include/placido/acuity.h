@@ -33,10 +33,10 @@ typedef struct placido_acuity_options {
   double criterion;          /* share of right answers, between chance and 1 [the test's] */
   double noise;              /* of the observer, in units of contrast times degree times the neural
                                 filter's gain [such that mean eyes of 3 to 4 mm have -0.1] */
-  double proportional_noise; /* noise for each unit of the letter's own, up to what it is for a letter
-                                of some minutes; negative: none, Watson and Ahumada's own model */
+  double proportional_noise; /* for each unit of the letter's own, up to that of a letter of some
+                                minutes; negative: none, Watson and Ahumada's own model [0.16] */
   double observer_spread;    /* standard deviation of the noise among people, decades [0.1] */
-  double smallest_logmar, largest_logmar; /* of the chart, -1 to 2.5 [-0.5 and 1.7, where both are 0] */
+  double smallest_logmar, largest_logmar; /* of the chart, -1 to 2.5 [-0.5, 1.7 where both are 0] */
   int trials;  /* 64 to 1,000,000 [4096]; the error that they leave is reported */
   uint64_t seed;
 } placido_acuity_options;
@@ -53,8 +53,8 @@ void placido_observer_free(placido_observer *observer);
 enum placido_acuity_verdict {
   PLACIDO_ACUITY_FOUND,
   PLACIDO_ACUITY_BEYOND_CHART,  /* worse than bound_logmar, the largest size of the chart */
-  PLACIDO_ACUITY_BEYOND_WINDOW, /* worse than bound_logmar: light is lost from the PSF's window, which
-                                   does not tell how larger letters look */
+  PLACIDO_ACUITY_BEYOND_WINDOW, /* worse than bound_logmar: light is lost from the PSF's window,
+                                   which does not tell how larger letters look */
   PLACIDO_ACUITY_ALL_READ       /* bound_logmar, the smallest size, is read too */
 };
 
@@ -72,15 +72,21 @@ typedef struct placido_acuity {
   double sigma_optics;   /* what the variants of the PSF make of it; NaN: none were given */
 } placido_acuity;
 
+/* A PSF moved by one independent standard deviation. */
+typedef struct placido_acuity_variant {
+  const placido_psf *psf;
+  double weight; /* of the square of its change: how many of its kind it stands for, 1 or more */
+} placido_acuity_variant;
+
 /* The acuity through `psf`, of any bucket: of rays (its pupil's diffraction at 555 nm is
- * put in) or diffraction. Each of the `count` `variants` (may be NULL) is a PSF moved by one
- * independent standard deviation: their changes' squares add up to that of sigma_optics.
+ * put in) or diffraction. The changes that the `count`
+ * `variants` (may be NULL) make give sigma_optics: their squares add up to its square.
  * A PSF with buckets of more than a minute of arc cannot tell good acuities apart.
  * The same for every machine and number of threads.
  * Returns PLACIDO_OK (look at the verdict), PLACIDO_INPUT (not a PSF), PLACIDO_MEMORY. */
 int placido_acuity_find(placido_acuity *acuity, const placido_observer *observer,
-                        const placido_psf *psf, const placido_psf *const *variants, size_t count,
-                        placido_error *err);
+                        const placido_psf *psf, const placido_acuity_variant *variants,
+                        size_t count, placido_error *err);
 
 /* Share of right answers at a size: the psychometric function. */
 int placido_acuity_score(double *score, const placido_observer *observer, const placido_psf *psf,

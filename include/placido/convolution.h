@@ -12,13 +12,13 @@
 /* How it is computed; zero means the default in brackets. */
 typedef struct placido_convolution {
   bool doubles;              /* transforms in double precision, for twice the time and memory */
-  double memory_MB;          /* most memory for one padded tile, above 0 [1024]; no tile is less than
-                                a 64th of a plane's side. A thread takes one tile (two for sums), a
-                                PSF's transform another */
+  double memory_MB;          /* most memory for one padded tile, above 0 [1024], though no tile is
+                                less than a 64th of a plane's side. A thread takes one tile (two for
+                                sums), a PSF's transform another */
   const char *wisdom_folder; /* transforms measured for this machine, and what was measured kept in
                                 this folder: faster, but rounding then depends on it; [NULL: plans
                                 are estimated, and results are the same bits each time] */
-  int threads;               /* 1 to 256 [1]: one a plane or tile; the result does not depend on it */
+  int threads;               /* 1 to 256 [1]: one a plane or tile; no result depends on it */
 } placido_convolution;
 
 /* Plans and tiles for planes of one size. Any number of threads may use one at the same time. */
@@ -33,7 +33,7 @@ typedef struct placido_convolution_term {
   const placido_transfer *transfer; /* of the same convolver */
 } placido_convolution_term;
 
-/* The sum over the terms of their sources spread: layers in depth, wavelengths, parts of a field. */
+/* The sum over terms of their sources spread: layers in depth, wavelengths, parts of a field. */
 typedef struct placido_superposition {
   float *target; /* apart from every source */
   const placido_convolution_term *terms;
@@ -44,18 +44,17 @@ typedef struct placido_superposition {
  * column: 0 to psf->n / 2. */
 int placido_psf_reach(const placido_psf *psf);
 
-/* For planes of width_px × height_px (1 to 65,536) and PSFs up to that reach, in pixels: 0 to 65,536.
- * `how` may be NULL. `notes` (may be NULL) gets a sentence where wisdom cannot be read or kept. Free
- * with placido_convolver_free, after its transfers. Returns PLACIDO_OK, PLACIDO_INPUT,
+/* For planes of width_px × height_px (1 to 65,536) and PSFs up to that reach, in pixels: 0 to
+ * 65,536. `how` may be NULL. `notes` (may be NULL) gets a sentence where wisdom cannot be read or
+ * kept. Free with placido_convolver_free, after its transfers. Returns PLACIDO_OK, PLACIDO_INPUT,
  * PLACIDO_MEMORY. */
 int placido_convolver_new(placido_convolver **convolver, int width_px, int height_px, int reach_px,
-                          const placido_convolution *how, placido_notes *notes,
-                          placido_error *err);
+                          const placido_convolution *how, placido_notes *notes, placido_error *err);
 void placido_convolver_free(placido_convolver *convolver);
 
 /* The PSF's values are copied; a bucket is a pixel. A PSF with all its light in one bucket needs no
- * transform: it shifts a plane, exactly. Returns PLACIDO_OK, PLACIDO_INPUT (it reaches
- * farther than the convolver, or has buckets that are not finite), PLACIDO_MEMORY. */
+ * transform: it shifts a plane, exactly. Returns PLACIDO_OK, PLACIDO_INPUT (it reaches farther than
+ * the convolver, or has buckets that are not finite), PLACIDO_MEMORY. */
 int placido_transfer_new(placido_transfer **transfer, const placido_convolver *convolver,
                          const placido_psf *psf, placido_error *err);
 void placido_transfer_free(placido_transfer *transfer);

@@ -54,7 +54,7 @@ typedef struct placido_psf {
   double wavelength_nm;      /* of diffraction, in whose case rays are the samples of the pupil;
                                 0: rays */
   long rays, rays_entered, rays_landed; /* pattern; inside the pupil and refracted; in a bucket */
-  long rays_missed;          /* inside the pupil and not entered; never silently dropped. Of these: */
+  long rays_missed;          /* inside the pupil, not entered; never silently dropped. Of these: */
   long rays_grazed;          /* met the surface from behind or at more than 80 degrees */
   long rays_reflected;       /* totally; what is left of rays_missed is beside the surface */
   double outside;            /* share of the entered rays that fell outside the PSF */

@@ -13,9 +13,10 @@
 #define PLACIDO_MTF_MERIDIANS 4 /* contrast along 0, 45, 90 and 135 degrees */
 
 /* Contrast of gratings after the image, relative to before: the modulus of the PSF's Fourier
- * transform over that at frequency 0, divided by that of a bucket. What the buckets alias is not
- * undone: of light finer than two buckets (frequencies over 30 / bucket_arcmin c/deg) something
- * comes back below. */
+ * transform over that at frequency 0, divided by that of a bucket, and 1 at most. What the buckets
+ * alias is not undone: of light finer than two buckets (frequencies over 30 / bucket_arcmin c/deg)
+ * something comes back below, behind 4 mm and 0.5' up to 0.05 at 30 c/deg. A quarter of that bucket
+ * is free of it. */
 typedef struct placido_mtf {
   int count;
   double step_cpd;  /* value k is at k step_cpd, cycles per degree */
@@ -80,5 +81,9 @@ int placido_focus_curve_new(placido_focus_curve *curve, const placido_surface *s
                             const placido_eye *eye, const placido_optics *optics, double from_D,
                             double to_D, int count, placido_error *err);
 void placido_focus_curve_free(placido_focus_curve *curve);
+
+/* Writes focus.csv (docs/formats.md) by way of a temporary name. PLACIDO_OK, PLACIDO_SYSTEM. */
+int placido_focus_curve_save_csv(const placido_focus_curve *curve, const char *path,
+                                 placido_error *err);
 
 #endif

@@ -4,8 +4,13 @@
 #ifndef PLACIDO_SIMULATE_H
 #define PLACIDO_SIMULATE_H
 
+#include <placido/acuity.h>
+#include <placido/convolution.h>
+#include <placido/diffraction.h>
 #include <placido/eye.h>
+#include <placido/ghost.h>
 #include <placido/psf.h>
+#include <placido/quality.h>
 #include <placido/scene.h>
 #include <placido/wavefront.h>
 #include <placido/zernike.h>

@@ -14,8 +14,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#define ORDER PLACIDO_BSPLINE_ORDER
 #define DEGREE_MIN 2
-#define DEGREE_MAX (PLACIDO_BSPLINE_ORDER - 1)
+#define DEGREE_MAX (ORDER - 1)
 #define COUNT_MAX 1024    /* coefficients along one axis */
 #define BINS_PER_SPAN 2   /* of the table that finds the span */
 #define WIDTH_MIN_MM 1e-6 /* of a knot span that is not empty */
@@ -80,10 +81,10 @@ static bool check(const placido_part *part, placido_complaint *complaint) {
   return true;
 }
 
-/* target += source * (constant + linear t), polynomials of PLACIDO_BSPLINE_ORDER coefficients; source has a degree
- * below PLACIDO_BSPLINE_ORDER - 1. */
+/* target += source * (constant + linear t), polynomials of ORDER coefficients; source has a degree
+ * below ORDER - 1. */
 static void add_times_linear(double *target, const double *source, double constant, double linear) {
-  for (int k = 0; k < PLACIDO_BSPLINE_ORDER; k++) {
+  for (int k = 0; k < ORDER; k++) {
     target[k] += constant * source[k] + (k > 0 ? linear * source[k - 1] : 0);
   }
 }
@@ -92,9 +93,9 @@ static void add_times_linear(double *target, const double *source, double consta
  */
 static void expand(placido_bspline_span *span, const double *knots, int j, int degree) {
   double start = knots[j], width = knots[j + 1] - start;
-  double now[PLACIDO_BSPLINE_ORDER][PLACIDO_BSPLINE_ORDER] = {{1}}; /* [function][power of t] */
+  double now[ORDER][ORDER] = {{1}}; /* [function][power of t] */
   for (int d = 1; d <= degree; d++) {
-    double next[PLACIDO_BSPLINE_ORDER][PLACIDO_BSPLINE_ORDER] = {{0}};
+    double next[ORDER][ORDER] = {{0}};
     for (int b = 0; b <= d; b++) {
       const double *k = knots + (j - d + b);
       if (b > 0) {
@@ -110,8 +111,8 @@ static void expand(placido_bspline_span *span, const double *knots, int j, int d
   }
   span->start = start;
   span->inverse_width = 1 / width;
-  for (int b = 0; b < PLACIDO_BSPLINE_ORDER; b++) {
-    for (int k = 0; k < PLACIDO_BSPLINE_ORDER; k++) {
+  for (int b = 0; b < ORDER; b++) {
+    for (int k = 0; k < ORDER; k++) {
       span->power[k][b] = now[b][k];
     }
   }
@@ -206,7 +207,8 @@ static int prepare(void **state, placido_part *part, placido_error *err) {
   return PLACIDO_OK;
 }
 
-int placido_bspline_evaluate(const placido_bspline_axis *axis, double x, double basis[3][PLACIDO_BSPLINE_ORDER]) {
+int placido_bspline_evaluate(const placido_bspline_axis *axis, double x,
+                             double basis[3][ORDER]) {
   int bin = (int)((x - axis->first) * axis->bins_per_mm);
   bin = bin < 0 ? 0 : bin >= axis->bins ? axis->bins - 1 : bin;
   int index = axis->bin_span[bin];
@@ -216,15 +218,15 @@ int placido_bspline_evaluate(const placido_bspline_axis *axis, double x, double 
   index = walk_to_span(axis, x, index);
   const placido_bspline_span *span = &axis->spans[index];
   double per_mm = span->inverse_width, t = (x - span->start) * per_mm;
-  double f[PLACIDO_BSPLINE_ORDER] = {0}, first[PLACIDO_BSPLINE_ORDER] = {0}, half_second[PLACIDO_BSPLINE_ORDER] = {0};
-  for (int k = PLACIDO_BSPLINE_ORDER - 1; k >= 0; k--) {
-    for (int b = 0; b < PLACIDO_BSPLINE_ORDER; b++) {
+  double f[ORDER] = {0}, first[ORDER] = {0}, half_second[ORDER] = {0};
+  for (int k = ORDER - 1; k >= 0; k--) {
+    for (int b = 0; b < ORDER; b++) {
       half_second[b] = half_second[b] * t + first[b];
       first[b] = first[b] * t + f[b];
       f[b] = f[b] * t + span->power[k][b];
     }
   }
-  for (int b = 0; b < PLACIDO_BSPLINE_ORDER; b++) {
+  for (int b = 0; b < ORDER; b++) {
     basis[0][b] = f[b];
     basis[1][b] = first[b] * per_mm;
     basis[2][b] = 2 * half_second[b] * per_mm * per_mm;
@@ -237,7 +239,7 @@ static bool add(const void *state, double x_mm, double y_mm, placido_jet *jet) {
   if (!placido_bspline_reaches(&b->x, x_mm) || !placido_bspline_reaches(&b->y, y_mm)) {
     return false;
   }
-  double along_x[3][PLACIDO_BSPLINE_ORDER], along_y[3][PLACIDO_BSPLINE_ORDER];
+  double along_x[3][ORDER], along_y[3][ORDER];
   int column = placido_bspline_evaluate(&b->x, x_mm, along_x);
   int row = placido_bspline_evaluate(&b->y, y_mm, along_y);
   const double *line = b->coefficients + (size_t)row * (size_t)b->x.count + column;

@@ -51,7 +51,8 @@ int placido_bspline_columns_new(void **columns, size_t *work, const void *state,
   for (size_t i = 0; i < count; i++) {
     double basis[3][ORDER];
     bool reached = placido_bspline_reaches(&b->x, x_mm[i]);
-    int span = placido_bspline_evaluate(&b->x, reached ? x_mm[i] : b->x.first, basis);
+    double at_mm = fmin(fmax(x_mm[i], b->x.first), b->x.last); /* spans stay in their order */
+    int span = placido_bspline_evaluate(&b->x, at_mm, basis);
     for (size_t k = 0; k < ORDER; k++) { /* beyond the degree they are zero */
       c->value[k * c->room + i] = reached ? basis[0][k] : NAN;
       c->slope[k * c->room + i] = reached ? basis[1][k] : NAN;

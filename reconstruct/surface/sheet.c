@@ -108,11 +108,3 @@ void placido_sheet_line(const placido_sheet *sheet, double *work, double y_mm, s
   }
   clear_undefined(&line, sheet->surface->radius_mm);
 }
-
-size_t placido_sheet_covered(const placido_sheet *sheet, double y_mm, size_t first, size_t count) {
-  size_t covered = 0;
-  for (size_t i = first; i < first + count; i++) {
-    covered += placido_surface_covered(sheet->surface, sheet->x_mm[i], y_mm);
-  }
-  return covered;
-}

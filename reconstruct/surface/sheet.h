@@ -21,7 +21,4 @@ size_t placido_sheet_work(const placido_sheet *sheet);
 void placido_sheet_line(const placido_sheet *sheet, double *work, double y_mm, size_t first,
                         size_t count, double *sag, double *sx, double *sy);
 
-/* How many of those columns data support. */
-size_t placido_sheet_covered(const placido_sheet *sheet, double y_mm, size_t first, size_t count);
-
 #endif

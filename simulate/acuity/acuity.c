@@ -51,8 +51,8 @@ static double largest_size(const viewing *v, enum placido_acuity_verdict *beyond
   return limits ? fmax(window, v->observer->options.smallest_logmar) : chart;
 }
 
-/* Between an unread and a read size: regula falsi with halving (Illinois), Dowell and Jarratt, BIT 11
- * (1971) 168. */
+/* Between an unread and a read size: regula falsi with halving (Illinois), Dowell and Jarratt, BIT
+ * 11 (1971) 168. */
 static double close_in(const viewing *v, double low, double at_low, double high, double at_high) {
   int side = 0;
   while (high - low > tolerance) {
@@ -105,11 +105,22 @@ static void find_sigmas(placido_acuity *acuity, const viewing *v) {
   score(v, at, 1, &sigma);
   per_logmar = (score(v, at + slope_step, 1, NULL) - score(v, at - slope_step, 1, NULL)) /
                (2 * slope_step);
-  per_decade = (score(v, at, pow(10, -noise_step), NULL) - score(v, at, pow(10, noise_step), NULL)) /
-               (2 * noise_step);
+  double quiet = pow(10, -noise_step), loud = pow(10, noise_step);
+  per_decade = (score(v, at, quiet, NULL) - score(v, at, loud, NULL)) / (2 * noise_step);
   per_logmar = fmax(per_logmar, 0.1); /* next to a plateau the slope says nothing */
   acuity->sigma_trials = sigma / per_logmar;
   acuity->sigma_observer = v->observer->options.observer_spread * fabs(per_decade) / per_logmar;
+}
+
+/* A variant's size is next to the one that is known, nearly always. */
+static enum placido_acuity_verdict search_near(const viewing *v, double known, double *logmar) {
+  double low = known - coarse_step / 2, high = known + coarse_step / 2;
+  double at_low = excess(v, low), at_high = excess(v, high);
+  if (at_low < 0 && at_high >= 0) {
+    *logmar = close_in(v, low, at_low, high, at_high);
+    return PLACIDO_ACUITY_FOUND;
+  }
+  return search(v, logmar);
 }
 
 static int vary(double *change, const placido_acuity *acuity, const placido_observer *observer,
@@ -118,14 +129,13 @@ static int vary(double *change, const placido_acuity *acuity, const placido_obse
   double logmar;
   *change = NAN;
   int status = view(&v, observer, variant, err);
-  if (status == PLACIDO_OK && search(&v, &logmar) == PLACIDO_ACUITY_FOUND) {
+  if (status == PLACIDO_OK && search_near(&v, acuity->logmar, &logmar) == PLACIDO_ACUITY_FOUND) {
     *change = logmar - acuity->logmar;
   }
   view_end(&v);
   return status;
 }
 
-/* Before this, only what does not depend on the optics is known. */
 static void finish(placido_acuity *acuity) {
   double optics = isnan(acuity->sigma_optics) ? 0 : acuity->sigma_optics;
   acuity->sigma = sqrt(acuity->sigma_trials * acuity->sigma_trials +
@@ -138,7 +148,7 @@ static const placido_acuity unknown = {.logmar = NAN, .bound_logmar = NAN, .low_
                                        .high_logmar = NAN, .sigma = NAN, .sigma_trials = NAN,
                                        .sigma_observer = NAN, .sigma_optics = NAN};
 
-static int find(placido_acuity *acuity, const viewing *v, const placido_psf *const *variants,
+static int find(placido_acuity *acuity, const viewing *v, const placido_acuity_variant *variants,
                 size_t count, placido_error *err) {
   double logmar, squares = 0;
   acuity->verdict = search(v, &logmar);
@@ -150,11 +160,11 @@ static int find(placido_acuity *acuity, const viewing *v, const placido_psf *con
   find_sigmas(acuity, v);
   for (size_t i = 0; i < count; i++) {
     double change;
-    int status = vary(&change, acuity, v->observer, variants[i], err);
+    int status = vary(&change, acuity, v->observer, variants[i].psf, err);
     if (status != PLACIDO_OK) {
       return status;
     }
-    squares += change * change;
+    squares += variants[i].weight * change * change;
   }
   acuity->sigma_optics = count > 0 ? sqrt(squares) : (double)NAN;
   finish(acuity);
@@ -162,8 +172,8 @@ static int find(placido_acuity *acuity, const viewing *v, const placido_psf *con
 }
 
 int placido_acuity_find(placido_acuity *acuity, const placido_observer *observer,
-                        const placido_psf *psf, const placido_psf *const *variants, size_t count,
-                        placido_error *err) {
+                        const placido_psf *psf, const placido_acuity_variant *variants,
+                        size_t count, placido_error *err) {
   viewing v;
   *acuity = unknown;
   acuity->test = observer->test;

@@ -1,17 +1,17 @@
 /* Contrast filters of human vision.
  *
- * Sensitivity: A. B. Watson, A. J. Ahumada, J. Vision 5(9):6 (2005), the HPmH function fitted to the
- * ModelFest data. Mean optics: A. B. Watson, J. Vision 13(6):18 (2013), eqs. 1 to 6. Their quotient
- * is the neural filter: Watson and Ahumada, J. Vision 8(4):17 (2008). */
+ * Sensitivity: A. B. Watson, A. J. Ahumada, J. Vision 5(9):6 (2005), the HPmH function fitted to
+ * the ModelFest data. Mean optics: A. B. Watson, J. Vision 13(6):18 (2013). Their
+ * quotient is the neural filter: Watson and Ahumada, J. Vision 8(4):17 (2008). */
 #include "simulate/acuity/neural.h"
 
 #include <math.h>
 
 static const double wavelength_mm = 555e-6;
 
-/* The pupil that a display of 30 cd/m² and some 80 deg², as of ModelFest, leaves to a young observer:
- * 5.2 mm with both eyes to 6.4 mm with one, by A. B. Watson and J. I. Yellott, J. Vision 12(10):12
- * (2012); the mean transfer function is known up to 6 mm. */
+/* The pupil that a display of 30 cd/m² and some 80 deg², as of ModelFest, leaves to a young
+ * observer: 5.2 mm with both eyes to 6.4 mm with one, by A. B. Watson and J. I. Yellott, J. Vision
+ * 12(10):12 (2012); the mean transfer function is known up to 6 mm. */
 static const double modelfest_pupil_mm = 6;
 
 /* Beyond it the quotient is one of two numbers that are both next to nothing. */

@@ -12,10 +12,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Both kinds of noise from two demands: eyes with the mean aberrations of their pupil (0.045, 0.07 and
- * 0.10 µm rms at 3, 3.5 and 4 mm) read E and Sloan letters of logMAR -0.1, and defocus b of 0 to 3 D
- * costs them what people lose, a factor of 1 + b² (Blendowske, Optom. Vis. Sci. 92:e121 (2015)), to
- * within 0.15. Without proportional noise the loss is 0.25 too small at 3 D.
+/* Both kinds of noise from two demands: eyes with the mean aberrations of their pupil (0.045, 0.07
+ * and 0.10 µm rms at 3, 3.5 and 4 mm) read E and Sloan letters of logMAR -0.1, and defocus b of 0
+ * to 3 D costs them what people lose, a factor of 1 + b² (Blendowske
+ * 2015), to within 0.15. Without proportional noise the loss is 0.25 too small at 3 D.
  * observer_spread: the spread of contrast sensitivity among healthy young people. */
 static const placido_acuity_options defaults = {.noise = 0.76,
                                                 .proportional_noise = 0.16,
@@ -81,8 +81,8 @@ static int draw_letter(placido_image *letter, const placido_acuity_letters *lett
 }
 
 /* Its spectrum; ink counts 1. */
-static int transform_letter(const placido_fft *fft, float *plane, const placido_acuity_letters *letters,
-                            int which, placido_error *err) {
+static int transform_letter(const placido_fft *fft, float *plane,
+                            const placido_acuity_letters *letters, int which, placido_error *err) {
   placido_image letter = {0};
   int status = draw_letter(&letter, letters, which, err);
   if (status == PLACIDO_OK) {
@@ -97,8 +97,8 @@ static int transform_letter(const placido_fft *fft, float *plane, const placido_
   return status;
 }
 
-/* The real part alone: the mean of a shift and its opposite, all that a symmetric autocorrelation of
- * the optics asks for. */
+/* The real part alone: the mean of a shift and its opposite, all that a symmetric autocorrelation
+ * of the optics asks for. */
 static void multiply(const placido_fft *fft, float *product, const float *a, const float *b) {
   double scale = 1 / ((double)fft->columns * fft->rows);
   for (size_t i = 0; i < fft->stride * (size_t)fft->rows; i += 2) {
@@ -131,8 +131,8 @@ static void correlate(placido_observer *observer, const placido_fft *fft, float 
   }
 }
 
-/* Planes: every letter's, and one to work in. One more row and column than twice the letter, so that
- * the largest shift either way is itself. */
+/* Planes: every letter's, and one to work in. One more row and column than twice the letter, so
+ * that the largest shift either way is itself. */
 static int fill_correlations(placido_observer *observer, placido_error *err) {
   const placido_acuity_letters letters = placido_acuity_letters_of(observer->test);
   placido_fft fft = placido_fft_shape(PLACIDO_SHIFTS, PLACIDO_SHIFTS);

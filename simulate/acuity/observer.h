@@ -30,7 +30,7 @@ struct placido_observer {
 
 /* Room to work in. */
 typedef struct placido_sight {
-  double nodes[PLACIDO_LETTER_PX + 1][PLACIDO_SHIFTS]; /* the optics at shifts of a letter's pixels */
+  double nodes[PLACIDO_LETTER_PX + 1][PLACIDO_SHIFTS]; /* at shifts of a letter's pixels */
   double weights[PLACIDO_SHIFTS][PLACIDO_KNOWN];
   double rows[PLACIDO_LETTER_PX + 1][PLACIDO_KNOWN];
 } placido_sight;

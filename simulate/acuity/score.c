@@ -11,8 +11,8 @@
 
 static const double rounding = 1e-10; /* of the largest inner product */
 
-/* The energy at which proportional noise has risen half way, as gain control saturates: a letter that
- * is large and sharp is always read. Chosen with the observer's other two numbers. */
+/* The energy at which proportional noise has risen half way, as gain control saturates: a letter
+ * that is large and sharp is always read. Chosen with the observer's other two numbers. */
 static const double energy_half = 800;
 
 /* Lower factor of a matrix without negative eigenvalues; a letter that is the sum of others gives a
@@ -98,7 +98,8 @@ double placido_observer_score(const placido_observer *observer, const placido_gr
   double noise = noise_factor * noise_of(observer, gram);
   long sum = 0, squares = 0;
   for (int trial = 0; trial < trials; trial++) {
-    int right = count_right(&observer->draws[(size_t)trial * (size_t)count], &l, &half, noise, count);
+    const double *draws = &observer->draws[(size_t)trial * (size_t)count];
+    int right = count_right(draws, &l, &half, noise, count);
     sum += right;
     squares += (long)right * right;
   }

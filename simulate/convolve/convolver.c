@@ -33,7 +33,7 @@ struct placido_transfer {
 
 int placido_psf_reach(const placido_psf *psf) {
   int reach = 0;
-  for (int row = 0; row < psf->n; row++) {
+  for (int row = 0; psf->values != NULL && row < psf->n; row++) {
     for (int column = 0; column < psf->n; column++) {
       int x = abs(column - psf->n / 2), y = abs(row - psf->n / 2), far = x > y ? x : y;
       bool dark = psf->values[(size_t)row * (size_t)psf->n + (size_t)column] == 0;
@@ -71,7 +71,7 @@ static int plan(placido_convolver *c, const placido_convolution *how, placido_no
   int status = placido_workspace_new(&work, &shape, c->precision, false, err);
   if (status == PLACIDO_OK) {
     status =
-      placido_plans_new(&c->plans, &shape, c->precision, &work, how->wisdom_folder, notes, err);
+        placido_plans_new(&c->plans, &shape, c->precision, &work, how->wisdom_folder, notes, err);
   }
   placido_workspace_free(&work);
   return status;
@@ -93,8 +93,7 @@ int placido_convolver_new(placido_convolver **convolver, int width_px, int heigh
   }
   double bytes = MEGABYTE * (how->memory_MB > 0 ? how->memory_MB : usual_memory_MB);
   c->precision = how->doubles ? &placido_precision_double : &placido_precision_float;
-  c->layout =
-    placido_layout_find(width_px, height_px, reach_px, bytes, c->precision->sample_bytes);
+  c->layout = placido_layout_find(width_px, height_px, reach_px, bytes, c->precision->sample_bytes);
   c->width = width_px;
   c->height = height_px;
   c->reach = reach_px;
@@ -117,12 +116,14 @@ void placido_convolver_free(placido_convolver *convolver) {
 
 static int check_psf(const placido_convolver *c, const placido_psf *psf, placido_error *err) {
   if (psf->values == NULL || psf->n < 1 || psf->n % 2 == 0) {
-    return placido_error_set(err, PLACIDO_INPUT, "a PSF of %d buckets a side, expected an odd number",
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "a PSF of %d buckets a side, expected an odd number",
                              psf->values != NULL ? psf->n : 0);
   }
   for (size_t i = 0; i < (size_t)psf->n * (size_t)psf->n; i++) {
     if (!isfinite(psf->values[i])) {
-      return placido_error_set(err, PLACIDO_INPUT, "the PSF's bucket %zu of row %zu is not a number",
+      return placido_error_set(err, PLACIDO_INPUT,
+                               "the PSF's bucket %zu of row %zu is not a number",
                                i % (size_t)psf->n, i / (size_t)psf->n);
     }
   }
@@ -151,8 +152,8 @@ static bool find_shift(placido_transfer *transfer, const placido_psf *psf) {
   return found <= 1;
 }
 
-static int transform(placido_transfer *transfer, const placido_convolver *c,
-                     const placido_psf *psf, placido_error *err) {
+static int transform(placido_transfer *transfer, const placido_convolver *c, const placido_psf *psf,
+                     placido_error *err) {
   const placido_shape *shape = &c->plans.shape;
   placido_workspace work;
   int status = placido_workspace_new(&work, shape, c->precision, false, err);
@@ -160,7 +161,7 @@ static int transform(placido_transfer *transfer, const placido_convolver *c,
     return status;
   }
   transfer->spectrum = placido_memory_new_aligned(
-    (size_t)shape->blocks * shape->column * c->precision->sample_bytes, err);
+      (size_t)shape->blocks * shape->column * c->precision->sample_bytes, err);
   if (transfer->spectrum != NULL) {
     c->precision->transform(&c->plans, &work, psf, transfer->spectrum);
   }
@@ -197,7 +198,7 @@ void placido_transfer_free(placido_transfer *transfer) {
   }
 }
 
-/* A tile's samples from x.first, y.first on: dark, or as far as the source goes, moved. */
+/* What a tile gives of the plane becomes dark. */
 static void clear_spot(float *target, const placido_spot *spot) {
   for (int y = 0; y < spot->y.count; y++) {
     memset(&target[(size_t)(spot->y.first + y) * (size_t)spot->width + (size_t)spot->x.first], 0,
@@ -209,6 +210,7 @@ static int clamp(int value, int low, int high) {
   return value < low ? low : value > high ? high : value;
 }
 
+/* A term whose light is in one bucket: its source, moved. */
 static void add_moved(float *target, const placido_convolver *c, const placido_spot *spot,
                       const placido_convolution_term *term) {
   const placido_transfer *by = term->transfer;

@@ -1,5 +1,5 @@
-/* A plane is cut into tiles where that is quicker or where it would not fit: overlap-save, the source
- * of a tile reaching beyond it as far as the PSF does.
+/* A plane is cut into tiles where that is quicker or where it would not fit: overlap-save, the
+ * source of a tile reaching beyond it as far as the PSF does.
  *
  * A plane in one piece needs less padding: beyond its rim is nothing, so what spills over either
  * side wraps into the same zeros. */

@@ -70,8 +70,8 @@ typedef struct placido_precision {
                    const placido_spot *spot, const float *source, const void *transfer,
                    placido_turn turn);
   /* Takes the sum's plane: behind the last term. */
-  void (*take)(const placido_plans *plans, const placido_workspace *work,
-               const placido_spot *spot, float *target);
+  void (*take)(const placido_plans *plans, const placido_workspace *work, const placido_spot *spot,
+               float *target);
 } placido_precision;
 
 extern const placido_precision placido_precision_float, placido_precision_double;

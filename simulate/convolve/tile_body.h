@@ -1,6 +1,6 @@
 /* The passes over a padded tile, compiled once for each precision: tile_float.c and tile_double.c
- * say which by SAMPLE, the type of a sample, FFTW(name), the name in FFTW's library of that type, and
- * TABLE, the name of what is defined. C has no other way to write this once.
+ * say which by SAMPLE, the type of a sample, FFTW(name), the name in FFTW's library of that type,
+ * and TABLE, the name of what is defined. C has no other way to write this once.
  *
  * A plane is transformed by rows and columns. Only rows that hold light are transformed, and only
  * rows of the result transformed back. A block of columns is turned, transformed, multiplied by its
@@ -27,11 +27,11 @@ static void wisdom_forget(void) {
 static FFTW(plan) plan_block(const placido_shape *s, SAMPLE *block, SAMPLE *column, int sign,
                              unsigned how) {
   FFTW(complex) *rows = (FFTW(complex) *)(void *)block, *turned = (FFTW(complex) *)(void *)column;
-  int n = s->rows, lanes = s->lanes;
-  return sign == FFTW_FORWARD ? FFTW(plan_many_dft)(1, &n, lanes, rows, NULL, lanes, 1, turned, NULL,
-                                                    1, n, sign, how)
-                              : FFTW(plan_many_dft)(1, &n, lanes, turned, NULL, 1, n, rows, NULL,
-                                                    lanes, 1, sign, how);
+  int n = s->rows, k = s->lanes;
+  if (sign == FFTW_FORWARD) {
+    return FFTW(plan_many_dft)(1, &n, k, rows, NULL, k, 1, turned, NULL, 1, n, sign, how);
+  }
+  return FFTW(plan_many_dft)(1, &n, k, turned, NULL, 1, n, rows, NULL, k, 1, sign, how);
 }
 
 static bool make_plans(placido_plans *plans, const placido_workspace *work, bool measure) {
@@ -105,9 +105,10 @@ static void add_product(SAMPLE *restrict sum, const SAMPLE *restrict a, const SA
   }
 }
 
-/* The PSF's middle goes to (0, 0), the negative side wraps to the far end; what reaches farther than
- * the plane meets nothing and is left out. */
-static void place_psf_row(const placido_shape *s, SAMPLE *samples, const placido_psf *psf, int row) {
+/* The PSF's middle goes to (0, 0), the negative side wraps to the far end; what reaches farther
+ * than the plane meets nothing and is left out. */
+static void place_psf_row(const placido_shape *s, SAMPLE *samples, const placido_psf *psf,
+                          int row) {
   int half = psf->n / 2, reach = half < s->reach_x ? half : s->reach_x;
   const double *values = &psf->values[(size_t)row * (size_t)psf->n + (size_t)half];
   double scale = 1.0 / ((double)s->columns * s->rows);
@@ -151,8 +152,9 @@ static void add_term(const placido_plans *plans, const placido_workspace *work,
   const placido_shape *s = &plans->shape;
   SAMPLE *block = work->spectrum;
   const SAMPLE *factor = transfer;
-  size_t step = turn.first && turn.last ? 0 : s->column; /* alone: the sum is no longer than a block */
-  SAMPLE *sum = step == 0 ? work->column : work->sum;
+  bool alone = turn.first && turn.last;
+  size_t step = alone ? 0 : s->column; /* a lone term's sum is forgotten block by block */
+  SAMPLE *sum = alone ? work->column : work->sum;
   transform_source(plans, work, spot, source);
   for (int i = 0; i < s->blocks; i++, block += s->block, factor += s->column, sum += step) {
     SAMPLE *turned = turn.first ? sum : work->column;
@@ -184,12 +186,12 @@ static void take(const placido_plans *plans, const placido_workspace *work,
 }
 
 const placido_precision TABLE = {.name = PRECISION,
-                                .sample_bytes = sizeof(SAMPLE),
-                                .wisdom_get = wisdom_get,
-                                .wisdom_put = wisdom_put,
-                                .wisdom_forget = wisdom_forget,
-                                .make_plans = make_plans,
-                                .free_plans = free_plans,
-                                .transform = transform,
-                                .add_term = add_term,
-                                .take = take};
+                                 .sample_bytes = sizeof(SAMPLE),
+                                 .wisdom_get = wisdom_get,
+                                 .wisdom_put = wisdom_put,
+                                 .wisdom_forget = wisdom_forget,
+                                 .make_plans = make_plans,
+                                 .free_plans = free_plans,
+                                 .transform = transform,
+                                 .add_term = add_term,
+                                 .take = take};

@@ -1,5 +1,5 @@
-/* Plans that were measured for this machine, kept in a file: opt-in, as measuring finds another plan
- * each time, and another plan rounds otherwise.
+/* Plans that were measured for this machine, kept in a file: opt-in, as measuring finds another
+ * plan each time, and another plan rounds otherwise.
  *
  * The file holds FFTW's own text for one precision. It is read and replaced whole; of two programs
  * that measure at once the later one's stays, and the other's is measured again some day. */
@@ -46,7 +46,7 @@ static int make_folder(const char *folder, placido_error *err) {
     return placido_error_set(err, PLACIDO_INPUT, "the folder's name is %s",
                              length < 1 ? "empty" : "too long");
   }
-  for (char *end = path + 1; end != NULL; ) {
+  for (char *end = path + 1; end != NULL;) {
     end = strchr(end, '/');
     if (end != NULL) {
       *end = '\0';
@@ -125,8 +125,7 @@ static char *measure(placido_plans *plans, const placido_precision *precision,
 }
 
 static bool make_measured(placido_plans *plans, const placido_precision *precision,
-                          const placido_workspace *work, const char *folder,
-                          placido_notes *notes) {
+                          const placido_workspace *work, const char *folder, placido_notes *notes) {
   char path[PLACIDO_PATH_MAX];
   placido_error reason = {0};
   bool made;

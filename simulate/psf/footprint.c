@@ -55,6 +55,7 @@ static int desk_new(desk *d, const placido_light_count *how, placido_error *err)
     *places[i] = d->block + i * room;
   }
   d->rays.work = d->block + columns * room;
+  d->rays.weight = how->spread ? d->rays.weight : NULL;
   return PLACIDO_OK;
 }
 

@@ -1,5 +1,5 @@
-/* Geometric PSF: every thread counts a share of the pupil, the sum is divided by what entered; where
- * too much falls outside, again with more buckets. */
+/* Geometric PSF: every thread counts a share of the pupil, the sum is divided by what entered;
+ * where too much falls outside, again with more buckets. */
 #include "simulate/psf/geometric.h"
 
 #include "base/memory.h"

@@ -1,10 +1,10 @@
 /* Tally: light into buckets, by points or by area.
  *
  * A ray stands for a cell of the pupil, which the cornea's refraction maps to a small
- * parallelogram on the retina; its light belongs to all of it. (The same idea carries density fields
- * between cosmology's particles: Abel, Hahn and Kaehler, MNRAS 427 (2012) 61.) A box with the same
- * variance along x and y stands in for it wherever it is smaller than a bucket: what is left out,
- * the covariance, is of second order in the cell, as the parallelogram itself is. */
+ * parallelogram on the retina; its light belongs to all of it. (The same idea carries density
+ * fields between cosmology's particles: Abel, Hahn and Kaehler, MNRAS 427 (2012) 61.) A box with
+ * the same variance along x and y stands in for it wherever it is smaller than a bucket and not
+ * slanted; else the parallelogram is cut into pieces. */
 #include "simulate/psf/tally.h"
 
 #include "base/dispatch.h"
@@ -168,8 +168,8 @@ static void add_pieces(placido_tally *tally, const placido_spots *s, size_t i) {
   }
 }
 
-/* Boxes that are large, or not wholly within the buckets; what would cover all of them several times
- * is a point. */
+/* Boxes that are large, or not wholly within the buckets; what would cover all of them several
+ * times is a point. */
 static void add_any(placido_tally *tally, const placido_spots *s, size_t i) {
   double reach_x = fabs(s->ax[i]) + fabs(s->bx[i]), reach_y = fabs(s->ay[i]) + fabs(s->by[i]);
   double middle = tally->n / 2.0, reach_max = 2.0 * tally->n;

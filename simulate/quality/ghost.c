@@ -17,7 +17,7 @@
 
 static const double default_scale_arcmin = 2;
 static const double dip = 0.7;       /* of the fainter maximum, under which two images are two */
-static const double one_sided = 0.5; /* of the way to its maximum, that a ghost's middle lies at least */
+static const double one_sided = 0.5; /* of the way to its maximum: where a ghost's middle lies */
 static const double diplopia_scales = 2;
 
 typedef struct basin {
@@ -201,8 +201,8 @@ static double wrap(double value, double period) {
   return value - period * floor(value / period);
 }
 
-/* Where the image's light has its middle, against the main image's maximum. A halo's lies far nearer
- * than its maximum; false then. */
+/* Where the image's light has its middle, against the main image's maximum. A halo's lies far
+ * nearer than its maximum; false then. */
 static bool measure(placido_ghost *ghost, const flood *f, const basin *image, const basin *main,
                     double bucket_arcmin) {
   double x0 = main->peak % f->n, y0 = main->peak / f->n;
@@ -293,7 +293,7 @@ void placido_ghosts_write(char *text, size_t size, const placido_ghosts *ghosts)
   if (ghosts->count > 1) {
     snprintf(number, sizeof number, "%d ghost images, the brightest", ghosts->count);
   }
-  snprintf(text, size, "%s %.3g' from the main one towards %d o'clock, with %.0f %% of its light%s.",
-           number, first->separation_arcmin, hour == 0 ? 12 : hour, 100 * first->share,
+  snprintf(text, size, "%s %.3g' from the main one towards %d o'clock, with %.0f %% of its "
+           "light%s.", number, first->separation_arcmin, hour == 0 ? 12 : hour, 100 * first->share,
            ghosts->diplopia ? ": seen double" : "");
 }

@@ -59,8 +59,8 @@ static double find_top(const double *values, double bucket_arcmin, double peak_a
   return top;
 }
 
-/* The same pupil without aberrations sends (sum of amplitude)² / (sum of squares) into the axis;
- * `ideal` receives that over the pupil's area, in samples. */
+/* Without aberrations the peak has (sum of amplitudes)² / (sum of their squares) over the number of
+ * samples in the pupil, of what an evenly lit one has. */
 static double evenness(const placido_pupil *pupil) {
   double sum = 0, squares = 0, count = 0;
   double middle = 0.5 * (pupil->n - 1), radius = 0.5 * pupil->pupil_mm / pupil->spacing_mm;

@@ -1,4 +1,4 @@
-/* Bundle: runs of the pattern traced one by one into columns, then closed up where rays are lost. */
+/* Bundle: runs of the pattern traced one by one into columns, closed up where rays are lost. */
 #include "simulate/rays/bundle.h"
 
 #include "base/memory.h"

@@ -74,7 +74,9 @@ static int run_of_crosshatch(const placido_crosshatch *crosshatch, int row, doub
     x_mm[i] = first_mm + 2 * i * crosshatch->half_cell_mm;
     y_mm[i] = height_mm;
   }
-  placido_crosshatch_weights(crosshatch, row, weight);
+  if (weight != NULL) {
+    placido_crosshatch_weights(crosshatch, row, weight);
+  }
   return count;
 }
 
@@ -93,6 +95,8 @@ int placido_pattern_run(const placido_pattern *pattern, long run, double *x_mm, 
     }
     x_mm[i] = pattern->x_mm + pattern->radius_mm * place[0];
     y_mm[i] = pattern->y_mm + pattern->radius_mm * place[1];
+  }
+  for (int i = 0; i < count && weight != NULL; i++) {
     weight[i] = 1 / (double)pattern->total;
   }
   return count;

@@ -23,7 +23,8 @@ placido_pattern placido_pattern_of(const placido_eye *eye, enum placido_pattern_
 /* How many rays of run `run` are inside the pupil. */
 int placido_pattern_count(const placido_pattern *pattern, long run);
 
-/* Their places and their shares of the pupil's area; returns how many they are. */
+/* Their places and their shares of the pupil's area (weight may be NULL); returns how many they
+ * are. */
 int placido_pattern_run(const placido_pattern *pattern, long run, double *x_mm, double *y_mm,
                         double *weight);
 

@@ -15,7 +15,7 @@ enum placido_fate {
 
 /* Slopes dx/dz, dy/dz behind the surface of light that comes along the axis through the thin lens
  * that `eye` wears and meets the surface at (x, y) with the slopes sx, sy of its sag. NaN where it
- * is missed (a slope is NaN), grazed, or reflected. Results do not depend on how rays are grouped. */
+ * is missed (a slope is NaN), grazed, or reflected. Each ray by itself: however they are grouped. */
 void placido_refract(double *restrict u, double *restrict v, const double *restrict x_mm,
                      const double *restrict y_mm, const double *restrict sx,
                      const double *restrict sy, size_t count, const placido_eye *eye);

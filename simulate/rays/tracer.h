@@ -24,7 +24,7 @@ typedef struct placido_ray_columns {
   double *depth_mm;         /* of that point behind the surface's point on the axis */
   double *sx, *sy;          /* slopes of the surface; NaN where it is not defined */
   double *u, *v;            /* slopes dx/dz, dy/dz behind it; NaN where a ray does not go on */
-  double *weight;           /* share of the pupil's area */
+  double *weight;           /* share of the pupil's area; NULL: not wanted */
   double *sxx, *sxy, *syy;  /* second derivatives, of patterns without rows only; or NULL */
   double *work;
 } placido_ray_columns;

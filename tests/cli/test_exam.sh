@@ -81,6 +81,14 @@ succeed simulate eye.surface.json --pupils 3 --axial-length 25 --wear '-2 -0.5 3
 json glasses/simulation.json placido-simulation/1 pupils settings.axial_length_mm
 says '"vertex_mm": 13' glasses/simulation.json
 
+echo "== waves in place of rays, and through focus"
+succeed simulate eye.surface.json --pupils 3 --diffraction 555 --through-focus 1 -o waves
+check_pupil waves/pupil-3mm tumbling-e
+says '"method": "diffraction"' waves/pupil-3mm/psf.json
+json waves/pupil-3mm/psf.json placido-psf/1 wavelength_nm mtf encircled_50_arcmin encircled_80_arcmin
+[ "$(wc -l <waves/pupil-3mm/focus.csv)" = 42 ] || fail "focus.csv has not 41 lenses"
+[ "$FIGURES" = OFF ] || have waves/pupil-3mm/quality.png
+
 echo "== a pupil that the surface does not fill is left out, and told"
 succeed simulate cornea/surface.json --pupils 3,12 -o seen
 says 'warning: pupil of 12 mm left out' err.txt

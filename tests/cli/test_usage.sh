@@ -44,6 +44,9 @@ refuse 2 '--pupils: its value is empty' exam input.png -o out --pupils ''
 refuse 2 '--pupils: 4 stands twice' exam input.png -o out --pupils 4,4.0000001
 # The ranges of the tables are the libraries' own: beyond them the command line is wrong, not an input.
 refuse 2 '--rays 4001: it ranges' exam input.png -o out --rays 4001
+refuse 2 '--pattern random: crosshatch, equal-area or' exam input.png -o out --pattern random
+refuse 2 '--light bright: spread or counted' simulate surface.json -o out --light bright
+refuse 2 '--grow 17: it ranges' simulate surface.json -o out --grow 17
 refuse 2 '--meridians 23: it ranges' exam input.png -o out --meridians 23
 refuse 2 '--retina 4: it ranges' simulate surface.json -o out --retina 4
 refuse 2 '--correction 50,0,0: sphere' simulate surface.json -o out --correction 50,0,0
@@ -56,6 +59,8 @@ refuse 2 '--retina and --axial-length both' simulate surface.json -o out --retin
 refuse 2 '--motion 300,0: its length' phantom --eye sphere --instrument cone24 -o out.png --motion 300,0
 refuse 2 '--side od: OD or OS' phantom --eye sphere --instrument cone24 -o out.session --side od
 refuse 2 '--cwhatuc has buckets of its own' exam input.png -o out --cwhatuc --bucket 2
+refuse 2 '--cwhatuc knows rays, no waves' exam input.png -o out --cwhatuc --diffraction 555
+refuse 2 '--diffraction 200: it ranges' simulate surface.json -o out --diffraction 200
 refuse 2 'tumbling-e.png is taken' exam input.png -o out --scene tumbling-e --scene tumbling-e
 refuse 2 'INPUT .*is empty' exam '' -o out
 refuse 2 'help explains one command' help exam phantom

@@ -30,8 +30,9 @@ placido_psf blur_disc(double radius_arcmin) {
   double r = radius_arcmin / psf.bucket_arcmin, middle = psf.n / 2.0;
   for (int y = 0; y < psf.n; y++) {
     for (int x = 0; x < psf.n; x++) {
+      double left = x - middle, top = y - middle;
       psf.values[y * psf.n + x] =
-        placido_disc_area(r, x - middle, x + 1 - middle, y - middle, y + 1 - middle) / (M_PI * r * r);
+        placido_disc_area(r, left, left + 1, top, top + 1) / (M_PI * r * r);
     }
   }
   return psf;

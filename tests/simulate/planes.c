@@ -53,8 +53,9 @@ float *convolved_plane(const float *source, int width, int height, const placido
   placido_convolver *convolver;
   placido_transfer *transfer;
   float *target = noise_plane(width, height, 99); /* so that what is not written shows */
-  assert_int_equal(placido_convolver_new(&convolver, width, height, placido_psf_reach(psf), how,
-                                         NULL, NULL), PLACIDO_OK);
+  assert_int_equal(
+      placido_convolver_new(&convolver, width, height, placido_psf_reach(psf), how, NULL, NULL),
+      PLACIDO_OK);
   assert_int_equal(placido_transfer_new(&transfer, convolver, psf, NULL), PLACIDO_OK);
   const placido_convolution_term term = {source, transfer};
   const placido_superposition plane = {target, &term, 1};

@@ -20,8 +20,8 @@ float *convolved_plane(const float *source, int width, int height, const placido
 /* What rounding may leave in the result, as the root of the sum of its squares: unit roundoff
  * `epsilon` times log2 of the padded samples for each of three transforms (Higham, Accuracy and
  * Stability of Numerical Algorithms, theorem 24.2; its constant is 7 where all errors conspire, and
- * 1 is taken, as they do not). Two of them carry the source's squares at the PSF's gain, at most the
- * sum of its buckets' sizes; one carries the PSF's squares at the source's. */
+ * 1 is taken, as they do not). Two of them carry the source's squares at the PSF's gain, at most
+ * the sum of its buckets' sizes; one carries the PSF's squares at the source's. */
 double rounding_bound(const float *source, int width, int height, const placido_psf *psf,
                       double epsilon);
 

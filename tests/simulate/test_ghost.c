@@ -65,8 +65,8 @@ static void test_several_are_in_order(void **state) {
   assert_near(ghosts.items[2].direction_deg, 315, 1e-6);
   char text[256];
   placido_ghosts_write(text, sizeof text, &ghosts);
-  assert_string_equal(text, "3 ghost images, the brightest 30' from the main one towards 9 o'clock, "
-                            "with 50 % of its light: seen double.");
+  assert_string_equal(text, "3 ghost images, the brightest 30' from the main one towards 9 "
+                            "o'clock, with 50 % of its light: seen double.");
 }
 
 /* Ten ghosts: the brightest are kept. */
@@ -137,8 +137,8 @@ static void test_halo_is_no_ghost(void **state) {
   assert_int_equal(ghosts_of(psf, 0).count, 0);
 }
 
-/* A slope s that one half of a perfect cornea has more moves its light by (n - 1) s across the ridge,
- * seen as (n - 1) s, too. The visual field is the examiner's view upside down. */
+/* A slope s that one half of a perfect cornea has more moves its light by (n - 1) s across the
+ * ridge, seen as (n - 1) s, too. The visual field is the examiner's view upside down. */
 static void test_ridge_doubles_across_itself(void **state) {
   (void)state;
   const double n = 1.3375, slope = 0.02, arcmin = 180 * 60 / M_PI;

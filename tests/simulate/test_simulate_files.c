@@ -74,6 +74,8 @@ static void test_json_has_what_the_format_says(void **state) {
   assert_true(number(json, "rays_entered") == psf.rays_entered);
   assert_true(number(json, "rays_landed") == psf.rays_landed);
   assert_true(number(json, "rays_missed") == 0);
+  assert_true(number(json, "rays_grazed") == 0 && number(json, "rays_reflected") == 0);
+  assert_true(number(json, "outside") == 1 - number(json, "rays_landed") / number(json, "rays_entered"));
   assert_true(number(json, "strehl_g") == psf.strehl_g);
   assert_true(number(json, "bucket_arcmin") == 0.5);
   assert_true(number(json, "bucket_um") == psf.bucket_um);

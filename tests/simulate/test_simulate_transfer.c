@@ -48,7 +48,7 @@ static void test_result_is_the_sum_within_the_rounding_of_transforms(void **stat
       const placido_convolution how = {.doubles = doubles};
       float *result = convolved_plane(source, width, height, &psf, &how);
       double bound =
-        rounding_bound(source, width, height, &psf, doubles ? double_unit : float_unit);
+          rounding_bound(source, width, height, &psf, doubles ? double_unit : float_unit);
       double stored = float_unit * root_of_squares(result, width * height);
       double error = root_error(result, source, width, height, &psf);
       assert_true(error <= bound + stored);
@@ -148,8 +148,8 @@ static void test_terms_add_up(void **state) {
   static double wide[31 * 31], narrow[9 * 9];
   double shift[81] = {0};
   shift[2 * 9 + 7] = 0.5;
-  const placido_psf psfs[] = {noise_psf(wide, 31, 1), {.n = 9, .values = shift},
-                              noise_psf(narrow, 9, 2)};
+  const placido_psf psfs[] = {
+      noise_psf(wide, 31, 1), {.n = 9, .values = shift}, noise_psf(narrow, 9, 2)};
   const placido_convolution cut = {.memory_MB = 0.02, .threads = 3};
   const placido_convolution *hows[] = {NULL, &cut};
   float *sources[] = {noise_plane(70, 64, 4), noise_plane(70, 64, 5), noise_plane(70, 64, 6)};
@@ -258,7 +258,7 @@ static void test_tiles_give_what_the_whole_gives(void **state) {
 /* Every sample is in exactly one tile, and what it needs of the source is in the tile, too. */
 static void test_tiles_cover_the_plane_and_fit_into_the_memory(void **state) {
   (void)state;
-  const int cases[][3] = {{3840, 2160, 128}, {16384, 16384, 128}, {16384, 1, 128}, {1, 9000, 40},
+  const int cases[][3] = {{3840, 2160, 128}, {16384, 16384, 128}, {16384, 1, 128},    {1, 9000, 40},
                           {500, 250, 128},   {100, 100, 4000},    {65536, 65536, 500}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     for (double bytes = 1e6; bytes < 1e12; bytes *= 4) {
@@ -310,14 +310,15 @@ static void test_what_does_not_fit_is_refused(void **state) {
   (void)state;
   double values[25] = {0};
   const placido_psf psf = {.n = 5, .values = values}, even = {.n = 4, .values = values};
-  const placido_convolution bad[] = {{.memory_MB = -1}, {.memory_MB = NAN}, {.threads = -1},
-                                     {.threads = 257}};
+  const placido_convolution bad[] = {
+      {.memory_MB = -1}, {.memory_MB = NAN}, {.threads = -1}, {.threads = 257}};
   placido_convolver *convolver;
   placido_transfer *transfer;
   const int sizes[][3] = {{0, 5, 1}, {5, 65537, 1}, {5, 5, -1}, {5, 5, 65537}};
   for (int i = 0; i < 4; i++) {
-    assert_int_equal(placido_convolver_new(&convolver, sizes[i][0], sizes[i][1], sizes[i][2], NULL,
-                                           NULL, NULL), PLACIDO_INPUT);
+    assert_int_equal(
+        placido_convolver_new(&convolver, sizes[i][0], sizes[i][1], sizes[i][2], NULL, NULL, NULL),
+        PLACIDO_INPUT);
     assert_int_equal(placido_convolver_new(&convolver, 9, 9, 1, &bad[i], NULL, NULL),
                      PLACIDO_INPUT);
     assert_null(convolver);
@@ -368,19 +369,19 @@ static void test_lack_of_memory_is_reported(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-    cmocka_unit_test(test_result_is_the_sum_within_the_rounding_of_transforms),
-    cmocka_unit_test(test_single_precision_is_far_below_what_a_picture_shows),
-    cmocka_unit_test(test_ghosts_stand_where_the_psf_has_them),
-    cmocka_unit_test(test_light_is_kept_where_none_leaves),
-    cmocka_unit_test(test_twice_one_plane_and_half_another_is_spread_likewise),
-    cmocka_unit_test(test_terms_add_up),
-    cmocka_unit_test(test_light_in_one_bucket_shifts_exactly),
-    cmocka_unit_test(test_long_planes_are_right_everywhere),
-    cmocka_unit_test(test_tiles_give_what_the_whole_gives),
-    cmocka_unit_test(test_tiles_cover_the_plane_and_fit_into_the_memory),
-    cmocka_unit_test(test_threads_change_no_bit),
-    cmocka_unit_test(test_what_does_not_fit_is_refused),
-    cmocka_unit_test(test_lack_of_memory_is_reported),
+      cmocka_unit_test(test_result_is_the_sum_within_the_rounding_of_transforms),
+      cmocka_unit_test(test_single_precision_is_far_below_what_a_picture_shows),
+      cmocka_unit_test(test_ghosts_stand_where_the_psf_has_them),
+      cmocka_unit_test(test_light_is_kept_where_none_leaves),
+      cmocka_unit_test(test_twice_one_plane_and_half_another_is_spread_likewise),
+      cmocka_unit_test(test_terms_add_up),
+      cmocka_unit_test(test_light_in_one_bucket_shifts_exactly),
+      cmocka_unit_test(test_long_planes_are_right_everywhere),
+      cmocka_unit_test(test_tiles_give_what_the_whole_gives),
+      cmocka_unit_test(test_tiles_cover_the_plane_and_fit_into_the_memory),
+      cmocka_unit_test(test_threads_change_no_bit),
+      cmocka_unit_test(test_what_does_not_fit_is_refused),
+      cmocka_unit_test(test_lack_of_memory_is_reported),
   };
   return cmocka_run_group_tests_name("simulate_transfer", tests, NULL, NULL);
 }

@@ -82,7 +82,8 @@ static void test_what_was_measured_is_kept_and_used_again(void **state) {
 
 static void test_broken_wisdom_is_told_and_replaced(void **state) {
   const fixture *f = *state;
-  const char *const texts[] = {"", "nonsense", "(fftw-3.3.10 fftwf_wisdom #x0 #x0 #x0 #x0", "\1\2("};
+  const char *const texts[] = {"", "nonsense", "(fftw-3.3.10 fftwf_wisdom #x0 #x0 #x0 #x0",
+                               "\1\2("};
   for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
     placido_notes notes = {0};
     free(measured(f, false, NULL));
@@ -109,8 +110,7 @@ static void test_folder_that_cannot_be_made_is_told_and_no_failure(void **state)
   float *result = measured(f, false, &notes);
   assert_int_equal(notes.count, 1);
   assert_non_null(strstr(notes.lines[0], "not kept"));
-  assert_near(result[30 * WIDTH + 40],
-              direct_sum(f->source, WIDTH, HEIGHT, &f->psf, 40, 30), 1e-6);
+  assert_near(result[30 * WIDTH + 40], direct_sum(f->source, WIDTH, HEIGHT, &f->psf, 40, 30), 1e-6);
   memcpy(f->folder, kept, sizeof kept);
   placido_notes_clear(&notes);
   free(result);
@@ -181,20 +181,21 @@ static void test_folder_is_the_users_cache(void **state) {
   expect_folder("relative", "/home/u", "/home/u/.cache/placido");
   expect_folder(NULL, "/home/u", "/home/u/.cache/placido");
   expect_folder(NULL, NULL, "");
-  expect_folder("/0123456789012345678901234567890123456789012345678901234567890123456789", NULL, "");
+  expect_folder("/0123456789012345678901234567890123456789012345678901234567890123456789", NULL,
+                "");
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-    cmocka_unit_test_setup_teardown(test_what_was_measured_is_kept_and_used_again, set_up,
-                                    tear_down),
-    cmocka_unit_test_setup_teardown(test_broken_wisdom_is_told_and_replaced, set_up, tear_down),
-    cmocka_unit_test_setup_teardown(test_folder_that_cannot_be_made_is_told_and_no_failure, set_up,
-                                    tear_down),
-    cmocka_unit_test_setup_teardown(test_others_get_the_same_bits_as_without, set_up, tear_down),
-    cmocka_unit_test_setup_teardown(test_callers_at_the_same_time_do_not_disturb_each_other, set_up,
-                                    tear_down),
-    cmocka_unit_test(test_folder_is_the_users_cache),
+      cmocka_unit_test_setup_teardown(test_what_was_measured_is_kept_and_used_again, set_up,
+                                      tear_down),
+      cmocka_unit_test_setup_teardown(test_broken_wisdom_is_told_and_replaced, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_folder_that_cannot_be_made_is_told_and_no_failure,
+                                      set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_others_get_the_same_bits_as_without, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_callers_at_the_same_time_do_not_disturb_each_other,
+                                      set_up, tear_down),
+      cmocka_unit_test(test_folder_is_the_users_cache),
   };
   return cmocka_run_group_tests_name("simulate_wisdom", tests, NULL, NULL);
 }
