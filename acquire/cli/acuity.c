@@ -13,7 +13,7 @@
 #define VARIANTS_MAX (NOISE_TAKEN + GEOMETRY_TAKEN + 1)
 #define VARIANT_SAMPLES 100 /* rays a side, spread: an acuity needs no more */
 
-static const char *const default_tests[] = {"e", "c", "sloan"};
+static const char *const default_tests[] = {"e"}; /* as the chart that is shown by default */
 
 /* Other corneas that the measurement leaves open, and what each sees. */
 struct others {

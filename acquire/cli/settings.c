@@ -127,7 +127,7 @@ static const struct option_row seeing_rows[] = {
     {"scene", 0, "NAME|FILE", "What is looked at: a chart by name or a placido-scene/1 file. May "
      "be given several times (default: tumbling-e).", FIELD(scenes), parse_text_more, 0, 0},
     {"acuity", 0, "TEST,...", "Tests whose acuity is predicted: e (tumbling E), c and c8 (Landolt C in "
-     "four and eight directions), sloan, or none (default e,c,sloan).", FIELD(acuity),
+     "four and eight directions), sloan, or none (default e).", FIELD(acuity),
      parse_acuity, 0, 0},
     {"allow-coarse", 0, NULL, "Show scenes whose pixels are larger than the point spread "
      "function's buckets, too. Blur finer than a pixel cannot be told from the pixel.",

@@ -14,6 +14,8 @@
 
 #define WAVEFRONT_MM 6.0
 #define QUICK_SAMPLES 100
+#define FINEST_CPD 60.0 /* 20/10, where the seed's chart ends */
+#define FREQUENCIES 1201
 
 static int make_folder(char path[PLACIDO_PATH_MAX], const struct study *study, const char *name,
                        placido_error *err) {
@@ -98,9 +100,6 @@ static void write_acuity(placido_study_cell *cell) {
   snprintf(cell->acuity_text, sizeof cell->acuity_text, "%s20/%.0f", before[acuity->verdict],
            placido_acuity_snellen(found ? acuity->logmar : acuity->bound_logmar, 20));
 }
-
-#define FINEST_CPD 60.0 /* 20/10, where the seed's chart ends */
-#define FREQUENCIES 1201
 
 /* How fine bars may be, from coarse to fine, until they lose too much contrast; upright and lying
  * ones on the mean, as the letters have them. Light outside the PSF lies evenly on everything. */

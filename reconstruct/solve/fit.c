@@ -121,7 +121,7 @@ static int find_errors(placido_fit *fit, placido_solution *p, placido_error *err
     status = placido_normal_inverse(r->normal, &fit->inverse, err);
   }
   if (!status) {
-    status = placido_scatter_find(&fit->scatter, r, p->mires, r->work, fit->inverse, err);
+    status = placido_scatter_find(&fit->scatter, r, p->mires, r->work, p->kin_px, fit->inverse, err);
   }
   if (!status) {
     fit->modes = moves.coefficients;

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "reconstruct/median.h"
+#include "reconstruct/solve/kinship.h"
 
 #include <math.h>
 
@@ -94,6 +95,24 @@ static void fill(table *t, const placido_sample *samples, size_t count,
   }
 }
 
+/* The median distance in the image between meridians, edge by edge; 0 where there is none. */
+static void find_steps(double *step_px, const placido_sample *samples, size_t count,
+                       const placido_mires *mires, double *work) {
+  for (int k = 0; k < mires->edge_count; k++) {
+    step_px[k] = 0;
+  }
+  for (size_t i = 0; i < count;) {
+    int edge = mires->points[samples[i].point].edge;
+    size_t n = 0;
+    for (; i < count && mires->points[samples[i].point].edge == edge; i++) {
+      const placido_mire_point *p = &mires->points[samples[i].point];
+      double du = p->u_px - mires->centre_u_px, dv = p->v_px - mires->centre_v_px;
+      work[n++] = sqrt(du * du + dv * dv);
+    }
+    step_px[edge] = 2 * M_PI * placido_quantile(work, n, 0.5) / mires->meridian_count;
+  }
+}
+
 /* The robust standard deviation about one block; NaN where too little is there. */
 static double noise_about(const table *t, int block, int meridian) {
   double differences[3 * BLOCK_EDGES * (2 * BLOCK_MERIDIANS + 1)];
@@ -124,9 +143,10 @@ static double median_noise(const placido_sample *samples, size_t count, double *
   return placido_quantile(work, n, 0.5);
 }
 
-/* Hands the table's figures out to the samples, relative to the usual one. */
+/* Hands the table's figures out to the samples, relative to the usual one, and larger where
+ * meridians stand for less than a point each. */
 static void hand_out(placido_sample *samples, size_t count, const placido_mires *mires,
-                     const table *t, double *work) {
+                     const table *t, const double *step_px, double kin_px, double *work) {
   size_t n = 0;
   for (int i = 0; i < (t->edges + BLOCK_EDGES - 1) / BLOCK_EDGES * t->meridians; i++) {
     if (!isnan(t->noise[i])) {
@@ -142,14 +162,24 @@ static void hand_out(placido_sample *samples, size_t count, const placido_mires 
     double noise = t->noise[block * t->meridians + meridian_of(mires, &samples[i])] / usual;
     samples[i].noise = isnan(noise) ? 1 : fmax(NOISE_LEAST, fmin(NOISE_MOST, noise));
   }
+  double shared[PLACIDO_EDGES_MAX];
+  for (int k = 0; k < mires->edge_count; k++) {
+    shared[k] = step_px[k] > 0 ? placido_kinship_factor(kin_px, step_px[k]) : 1;
+  }
+  for (size_t i = 0; i < count; i++) {
+    samples[i].shared = shared[mires->points[samples[i].point].edge];
+    samples[i].noise *= samples[i].shared;
+  }
   double middle = median_noise(samples, count, work);
   for (size_t i = 0; i < count; i++) {
     samples[i].noise /= middle;
   }
 }
 
-int placido_noise_find(placido_sample *samples, size_t count, const placido_mires *mires,
-                       placido_error *err) {
+int placido_noise_find(placido_sample *samples, double *kin_px, size_t count,
+                       const placido_mires *mires, placido_error *err) {
+  double step_px[PLACIDO_EDGES_MAX];
+  *kin_px = 0;
   table t = {.edges = mires->edge_count, .meridians = mires->meridian_count};
   size_t places = (size_t)t.edges * (size_t)t.meridians;
   t.residual_px = placido_memory_new(places, sizeof *t.residual_px, err);
@@ -161,7 +191,9 @@ int placido_noise_find(placido_sample *samples, size_t count, const placido_mire
     for (int i = 0; i < (t.edges + BLOCK_EDGES - 1) / BLOCK_EDGES * t.meridians; i++) {
       t.noise[i] = noise_about(&t, i / t.meridians, i % t.meridians);
     }
-    hand_out(samples, count, mires, &t, work);
+    find_steps(step_px, samples, count, mires, work);
+    *kin_px = placido_kinship_length(t.residual_px, step_px, t.edges, t.meridians, work);
+    hand_out(samples, count, mires, &t, step_px, *kin_px, work);
   }
   placido_memory_free(t.residual_px);
   placido_memory_free(t.noise);

@@ -17,9 +17,11 @@ double placido_noise_inflation(const placido_sample *samples, const double *resi
                                size_t count, const placido_mires *mires);
 
 /* Sets every sample's `noise` from how unlike the residuals of neighbouring edges are about it, so
- * that what the surface cannot follow counts little: half of the samples have at least 1, the
- * extremes are 0.5 and 8. The samples' residuals are out of date then. */
-int placido_noise_find(placido_sample *samples, size_t count, const placido_mires *mires,
-                       placido_error *err);
+ * that what the surface cannot follow counts little: from half to eight times what is usual. Where
+ * meridians lie closer together than `kin_px`, the distance along an edge over which errors are
+ * found to be alike, it is larger by `shared`. Half of the samples have at least 1. The samples'
+ * residuals are out of date then. */
+int placido_noise_find(placido_sample *samples, double *kin_px, size_t count,
+                       const placido_mires *mires, placido_error *err);
 
 #endif

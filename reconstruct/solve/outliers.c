@@ -27,7 +27,7 @@ static int deviations_new(double **list, double *spread, const placido_sample *s
   for (size_t i = 0; i < count;) {
     size_t first = i, n = 0;
     for (; i < count && samples[i].edge == samples[first].edge; i++) {
-      deviation[i] = samples[i].residual_px;
+      deviation[i] = samples[i].residual_px * samples[i].shared;
       if (!isnan(deviation[i])) {
         work[n++] = deviation[i];
       }
@@ -68,7 +68,7 @@ int placido_outliers_cut(placido_sample *samples, size_t count, double *work, si
   }
   double limit = CUT * fmax(SPREAD_MIN_PX, spread);
   for (size_t i = 0; i < count; i++) {
-    double allowed = limit * fmin(1, CUT_NOISE / samples[i].noise);
+    double allowed = limit * fmin(1, CUT_NOISE * samples[i].shared / samples[i].noise);
     if (!(fabs(deviation[i]) < allowed)) {
       mark(samples, count, i, out);
     }

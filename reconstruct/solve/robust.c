@@ -35,7 +35,7 @@ int placido_solution_robust(placido_solution *p, placido_grid *grid, placido_not
     return PLACIDO_OK;
   }
   if (!status) {
-    status = placido_noise_find(p->samples, p->count, p->mires, err);
+    status = placido_noise_find(p->samples, &p->kin_px, p->count, p->mires, err);
   }
   if (!status) {
     placido_refinement_trace(r);

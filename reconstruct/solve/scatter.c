@@ -8,37 +8,30 @@
 
 #include "base/memory.h"
 #include "reconstruct/median.h"
+#include "reconstruct/solve/kinship.h"
+#include "reconstruct/solve/pull.h"
 
 #include <math.h>
 #include <string.h>
 
 #define ARC_DEG 10.0
+#define ARC_KIN 8.0 /* distances over which points err alike, at least */
+#define ARC_MOST_DEG 120.0
 #define LEVERAGE_MOST 0.7 /* beyond it a residual tells too little of the error */
 #define PLACES 33         /* of the map of scatter, across the spline's square */
 #define NEAR_MM 0.4       /* standard deviation of the window that a coefficient's factor sees */
 #define PRIOR_ARCS 6      /* so many arcs of the usual scatter count everywhere */
 #define WAVES_MOST 24
 #define COMMON_EDGES 5    /* on either side tell of an edge's common error */
+#define DOUBT 1.0         /* standard deviation of what they tell, over the noise */
 #define COMMON_MOST 4.0   /* of the usual edge's variance */
 #define FOLLOWED_MOST 0.7 /* of the common errors by the surface */
-/* Blur of variance s² pulls a curved edge inwards by s²/2 times its curvature. The mires are
- * corrected for that as circles about their centre. What stays open: a small part of it everywhere,
- * more of it where the blur is longer one way (motion, astigmatism), and all of it where an edge's
- * own curvature is another. */
-#define PULL_PX2 0.03
-#define PULL_NOISE_PX 0.4 /* more per px of noise, which makes a width uncertain */
-#define PULL_LONG_PX2 0.05
-#define PULL_LONGER_PX2 1.5 /* more per unit of unevenness, log of the points' standard deviation  \
-                             */
-#define UNEVEN_SECTORS 6    /* of half a turn: opposite ones count together */
-#define PULL_CURVED_PX2 0.8
-#define PULLS 4
-#define BOW_DEG 6.0     /* an edge's curvature is that of a circle through points so far apart */
-#define OFFSET_CLIP 2.0 /* of an edge's mean, in its standard deviations: the rest is local */
+#define OFFSET_CLIP 2.0   /* of an edge's mean, in its standard deviations: the rest is local */
 
 /* An arc of one edge, or a whole edge. */
 typedef struct arc {
   double weight, pull; /* Σ w, Σ w · residual in sigmas */
+  double yield;        /* Σ of the loss's second derivative */
   size_t count;
 } arc;
 
@@ -86,35 +79,52 @@ static void put(map *m, double x_mm, double y_mm, double shown, double expected)
   m->arcs++;
 }
 
-/* Ends an arc: `middle` is one of its samples. */
+/* Ends an arc: `middle` is one of its samples. The normal equations take Σ w for how the robust
+ * loss bends; it bends less (Huber, Robust Statistics, 1981, eq. 6.5 of chapter 7), so that errors
+ * do more. */
 static void close_arc(map *m, const arc *a, const placido_sample *middle,
                       const placido_refinement *r, const double *inverse) {
   double row[PLACIDO_SPLINE_CELL], weight = placido_sample_row(row, middle, r->sigma_px);
   double leverage = weight * placido_normal_variance(r->normal, inverse, middle->basis.column,
                                                      middle->basis.row, row);
   double left = 1 - fmin(LEVERAGE_MOST, leverage * (double)a->count);
-  put(m, middle->hit.x, middle->hit.y, a->pull * a->pull / left, a->weight);
+  double expected = a->yield * a->yield / a->weight;
+  put(m, middle->hit.x, middle->hit.y, a->pull * a->pull / left, expected);
 }
 
-static long arc_of(const placido_mires *mires, const placido_sample *s) {
+/* The length of a sample's arcs: ARC_DEG, or more where points of so many degrees share pixels; a
+ * turn has a whole number of them. */
+static double arc_deg(const placido_mires *mires, const placido_sample *s, double kin_px) {
   const placido_mire_point *point = &mires->points[s->point];
-  return lrint(floor((point->meridian_deg + ARC_DEG / 2) / ARC_DEG)) + 1000L * point->edge;
+  double du = point->u_px - mires->centre_u_px, dv = point->v_px - mires->centre_v_px;
+  double alone = ARC_KIN * kin_px / sqrt(fmax(1, du * du + dv * dv)) * 180 / M_PI;
+  return 360 / floor(360 / fmax(ARC_DEG, fmin(ARC_MOST_DEG, alone)));
+}
+
+static long arc_of(const placido_mires *mires, const placido_sample *s, double deg) {
+  const placido_mire_point *point = &mires->points[s->point];
+  return lrint(floor((point->meridian_deg + deg / 2) / deg)) + 1000L * point->edge;
 }
 
 /* `offsets`: what is taken off an edge's residuals beforehand, in sigmas. */
 static void map_arcs(map *m, const placido_refinement *r, const placido_mires *mires,
-                     const double *residual_px, const double *offsets, const double *inverse) {
+                     const double *residual_px, const double *offsets, double kin_px,
+                     const double *inverse) {
   *m = (map){.half_mm = r->shape.grid->half_mm,
              .pitch_mm = 2 * r->shape.grid->half_mm / (PLACES - 1)};
   arc here = {0};
   const placido_sample *middle = NULL;
+  const placido_edge *edge = NULL;
+  double deg = ARC_DEG;
   long now = -1;
   for (size_t i = 0; i < r->count; i++) {
     const placido_sample *s = &r->samples[i];
     if (!counts(s)) {
       continue;
     }
-    long arc_here = arc_of(mires, s);
+    deg = s->edge == edge ? deg : arc_deg(mires, s, kin_px);
+    edge = s->edge;
+    long arc_here = arc_of(mires, s, deg);
     if (arc_here != now && here.count) {
       close_arc(m, &here, middle, r, inverse);
       here = (arc){0};
@@ -125,8 +135,9 @@ static void map_arcs(map *m, const placido_refinement *r, const placido_mires *m
     double residual = residual_px[i] / r->sigma_px - offset;
     here.weight += weight;
     here.pull += weight * residual;
+    here.yield += weight * weight * weight; /* of the pseudo-Huber loss */
     here.count++;
-    middle = here.count <= 1 + (size_t)(mires->meridian_count * ARC_DEG / 720) ? s : middle;
+    middle = here.count <= 1 + (size_t)(mires->meridian_count * deg / 720) ? s : middle;
   }
   if (here.count) {
     close_arc(m, &here, middle, r, inverse);
@@ -142,8 +153,8 @@ static void window_of(double window[PLACES], const map *m, double at_mm) {
 }
 
 /* The factor on the standard deviation at every coefficient: windows along y first, then along x.
- */
-static void spread_out(double *spread, const map *m, const placido_grid *grid) {
+ * `across`: how much more edges do together. */
+static void spread_out(double *spread, const map *m, const placido_grid *grid, double across) {
   double usual = m->expected_all > 0 ? m->shown_all / m->expected_all : 1;
   double prior = m->arcs ? PRIOR_ARCS * m->expected_all / (double)m->arcs : 1;
   for (int j = 0; j < grid->side; j++) {
@@ -160,7 +171,7 @@ static void spread_out(double *spread, const map *m, const placido_grid *grid) {
         shown += window[k] * shown_line[k];
         expected += window[k] * expected_line[k];
       }
-      spread[j * grid->side + i] = sqrt(shown / expected);
+      spread[j * grid->side + i] = sqrt(across * shown / expected);
     }
   }
 }
@@ -175,74 +186,6 @@ static int wave_count(int radial, int edges) {
   int most = 4 + radial * 3 / 2;
   most = most < WAVES_MOST ? most : WAVES_MOST;
   return most < edges ? most : edges;
-}
-
-static double length(const double v[2]) {
-  return sqrt(v[0] * v[0] + v[1] * v[1]);
-}
-
-/* The curvature of an edge about sample i, per px, from the points on both sides (Menger); 0 where
- * there is none. */
-static double curvature_at(const placido_refinement *r, const placido_mires *mires, size_t i) {
-  size_t bow = (size_t)fmax(1, mires->meridian_count * BOW_DEG / 360);
-  if (i < bow || i + bow >= r->count || r->samples[i - bow].edge != r->samples[i].edge ||
-      r->samples[i + bow].edge != r->samples[i].edge) {
-    return 0;
-  }
-  const placido_mire_point *a = &mires->points[r->samples[i - bow].point];
-  const placido_mire_point *b = &mires->points[r->samples[i].point];
-  const placido_mire_point *c = &mires->points[r->samples[i + bow].point];
-  if (c->meridian_deg - a->meridian_deg > 3 * BOW_DEG) {
-    return 0;
-  }
-  double ab[2] = {b->u_px - a->u_px, b->v_px - a->v_px};
-  double bc[2] = {c->u_px - b->u_px, c->v_px - b->v_px};
-  double ac[2] = {c->u_px - a->u_px, c->v_px - a->v_px};
-  /* meridians run against v: a circle about the centre has a negative cross product */
-  return -2 * (ab[0] * bc[1] - ab[1] * bc[0]) / (length(ab) * length(bc) * length(ac));
-}
-
-/* How much longer the blur is one way: the second harmonic of the points' own standard deviations
- * about the centre, as a log; from sectors' medians, so that what hides mires does not show. `work`
- * has room for a number a sample. */
-static double unevenness(const placido_refinement *r, const placido_mires *mires, double *work) {
-  double along = 0, across = 0;
-  for (int k = 0; k < UNEVEN_SECTORS; k++) {
-    size_t n = 0;
-    for (size_t i = 0; i < r->count; i++) {
-      const placido_mire_point *point = &mires->points[r->samples[i].point];
-      if (counts(&r->samples[i]) && point->sigma_px > 0 &&
-          (int)(fmod(point->meridian_deg, 180) * UNEVEN_SECTORS / 180) == k) {
-        work[n++] = point->sigma_px;
-      }
-    }
-    if (!n) {
-      return 0;
-    }
-    double turn = 2 * M_PI * (k + 0.5) / UNEVEN_SECTORS;
-    double usual = log(placido_quantile(work, n, 0.5));
-    along += 2 * usual * cos(turn) / UNEVEN_SECTORS;
-    across += 2 * usual * sin(turn) / UNEVEN_SECTORS;
-  }
-  return hypot(along, across);
-}
-
-/* The pulls of the blur at a point, in sigmas of the point; `long_px2` that of a blur longer one
- * way.
- */
-static void find_pulls(double pulls[PULLS], const placido_refinement *r, const placido_mires *mires,
-                       double long_px2, size_t i) {
-  const placido_sample *s = &r->samples[i];
-  const placido_mire_point *point = &mires->points[s->point];
-  double d[2] = {point->u_px - mires->centre_u_px, point->v_px - mires->centre_v_px};
-  double square = fmax(d[0] * d[0] + d[1] * d[1], 1), round = 1 / sqrt(square);
-  double bow = curvature_at(r, mires, i), unit = s->noise * r->sigma_px;
-  /* cosine and sine of twice the meridian */
-  double along = (d[0] * d[0] - d[1] * d[1]) / square, across = -2 * d[0] * d[1] / square;
-  pulls[0] = (PULL_PX2 + PULL_NOISE_PX * r->sigma_px) * round / unit;
-  pulls[1] = long_px2 * round * along / unit;
-  pulls[2] = long_px2 * round * across / unit;
-  pulls[3] = bow != 0 ? PULL_CURVED_PX2 * (bow - round) / unit : 0;
 }
 
 /* The waves over the edges times their standard deviation, from what each edge does on its own. */
@@ -261,32 +204,33 @@ static void push_waves(double *rights, const double *by_edge, const double *vari
 
 /* JᵀW applied to what is common to whole edges: all right-hand sides. */
 static int push(double *rights, const placido_refinement *r, const placido_mires *mires,
-                const double *variance, int waves, placido_error *err) {
+                const double *variance, double kin_px, int waves, placido_error *err) {
   size_t n = (size_t)r->shape.grid->side * (size_t)r->shape.grid->side;
   size_t edges = (size_t)mires->edge_count;
-  double *own = placido_memory_new((edges + PULLS) * n, sizeof *own, err);
-  double *pulls = placido_memory_new(r->count, PULLS * sizeof *pulls, err);
+  double *own = placido_memory_new((edges + PLACIDO_PULLS) * n, sizeof *own, err);
+  double *pulls = placido_memory_new(r->count, PLACIDO_PULLS * sizeof *pulls, err);
   int status = own && pulls ? PLACIDO_OK : PLACIDO_MEMORY;
   if (!status) {
-    double long_px2 = PULL_LONG_PX2 + PULL_LONGER_PX2 * unevenness(r, mires, pulls);
-    memset(pulls, 0, r->count * sizeof *pulls);
-    for (size_t i = 0; i < r->count; i++) {
-      if (counts(&r->samples[i])) {
-        find_pulls(pulls + i * PULLS, r, mires, long_px2, i);
-      }
-    }
-    placido_refinement_push(own, r, mires, pulls, PULLS);
+    placido_pulls_find(pulls, r, mires, kin_px);
+    placido_refinement_push(own, r, mires, pulls, PLACIDO_PULLS);
     push_waves(rights, own, variance, mires->edge_count, waves, n);
-    memcpy(rights + (size_t)waves * n, own + edges * n, PULLS * n * sizeof *own);
+    memcpy(rights + (size_t)waves * n, own + edges * n, PLACIDO_PULLS * n * sizeof *own);
   }
   placido_memory_free(own);
   placido_memory_free(pulls);
   return status;
 }
 
+/* The part of a variance that noise does not explain, shrunk as far as that is in doubt. */
+static double excess(double shown, double noise) {
+  double more = fmax(0, shown - noise), doubt = DOUBT * noise;
+  return more > 0 ? more * more * more / (more * more + doubt * doubt) : 0;
+}
+
 /* The variance of the common error of each edge: what the means of the edges about it show, robust,
  * more by what the surface has followed of them and less by what points' noise makes of means. */
-static void find_common(double *variance, const arc *edges, int edge_count, double followed) {
+static void find_common(double *variance, const arc *edges, int edge_count,
+                        const placido_kinship *kinship, double followed) {
   double work[PLACIDO_EDGES_MAX];
   for (int k = 0; k < edge_count; k++) {
     double squares[2 * COMMON_EDGES + 1], noise = 0;
@@ -295,12 +239,12 @@ static void find_common(double *variance, const arc *edges, int edge_count, doub
       if (j >= 0 && j < edge_count && edges[j].weight > 0) {
         double offset = offset_of(&edges[j]);
         squares[n++] = offset * offset;
-        noise += 1 / edges[j].weight;
+        noise += kinship->arcs / edges[j].weight;
       }
     }
     /* the median of a chi square of one degree of freedom is 0.455 */
     double median = n ? placido_quantile(squares, n, 0.5) / 0.455 : 0;
-    variance[k] = n ? fmax(0, median / (1 - followed) - noise / (double)n) : 0;
+    variance[k] = n ? kinship->across * excess(median / (1 - followed), noise / (double)n) : 0;
   }
   /* where a few edges are off by far more it is a spline that cannot follow, which is local */
   memcpy(work, variance, (size_t)edge_count * sizeof *work);
@@ -318,32 +262,37 @@ static void take_off(double *offsets, const arc *edges, const double *variance, 
 }
 
 int placido_scatter_find(placido_scatter *scatter, const placido_refinement *r,
-                         const placido_mires *mires, const double *residual_px,
+                         const placido_mires *mires, const double *residual_px, double kin_px,
                          const double *inverse, placido_error *err) {
   const placido_grid *grid = r->shape.grid;
   size_t n = (size_t)grid->side * (size_t)grid->side;
   int edge_count = mires->edge_count, radial = (int)(grid->half_mm / grid->knot_mm) + 1;
   arc edges[PLACIDO_EDGES_MAX] = {{0}};
   double variance[PLACIDO_EDGES_MAX], offsets[PLACIDO_EDGES_MAX];
-  *scatter = (placido_scatter){.steps = wave_count(radial, edge_count) + PULLS};
+  *scatter = (placido_scatter){.steps = wave_count(radial, edge_count) + PLACIDO_PULLS};
   size_t numbers = n * (size_t)scatter->steps;
   scatter->spread = placido_memory_new(n, sizeof *scatter->spread, err);
   scatter->step = placido_memory_new(numbers, sizeof *scatter->step, err);
   double *rights = placido_memory_new(numbers, sizeof *rights, err);
   map *m = placido_memory_new(1, sizeof *m, err);
+  placido_kinship kinship;
   int status = scatter->spread && scatter->step && rights && m ? PLACIDO_OK : PLACIDO_MEMORY;
   if (!status) {
+    status = placido_kinship_find(&kinship, r, mires, residual_px, err);
+  }
+  if (!status) {
     sum_edges(edges, r, mires, residual_px);
-    find_common(variance, edges, edge_count, fmin(FOLLOWED_MOST, (double)radial / edge_count));
-    status = push(rights, r, mires, variance, scatter->steps - PULLS, err);
+    find_common(variance, edges, edge_count, &kinship,
+                fmin(FOLLOWED_MOST, (double)radial / edge_count));
+    status = push(rights, r, mires, variance, kin_px, scatter->steps - PLACIDO_PULLS, err);
   }
   if (!status) {
     status = placido_normal_solve_more(r->normal, rights, scatter->steps, scatter->step, err);
   }
   if (!status) {
     take_off(offsets, edges, variance, edge_count);
-    map_arcs(m, r, mires, residual_px, offsets, inverse);
-    spread_out(scatter->spread, m, grid);
+    map_arcs(m, r, mires, residual_px, offsets, kin_px, inverse);
+    spread_out(scatter->spread, m, grid, kinship.across);
   }
   placido_memory_free(rights);
   placido_memory_free(m);

@@ -15,10 +15,11 @@ typedef struct placido_scatter {
 } placido_scatter;
 
 /* From a refinement's end. `residual_px` are the samples' residuals less what other causes explain,
- * `inverse` that of the refinement's normal matrix. Samples are ordered by edge, then meridian.
- * Free with placido_scatter_free. Returns PLACIDO_OK or PLACIDO_MEMORY. */
+ * `kin_px` the distance along an edge over which points err alike (noise.h), `inverse` that of the
+ * refinement's normal matrix. Samples are ordered by edge, then meridian. Free with
+ * placido_scatter_free. Returns PLACIDO_OK or PLACIDO_MEMORY. */
 int placido_scatter_find(placido_scatter *scatter, const placido_refinement *r,
-                         const placido_mires *mires, const double *residual_px,
+                         const placido_mires *mires, const double *residual_px, double kin_px,
                          const double *inverse, placido_error *err);
 void placido_scatter_free(placido_scatter *scatter);
 

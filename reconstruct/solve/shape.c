@@ -86,6 +86,7 @@ int placido_samples_new(placido_sample **samples, const placido_mires *mires,
                             .edge = &instrument->edges[p->edge],
                             .point = i,
                             .used = true,
+                            .shared = 1,
                             .noise = 1,
                             .residual_px = NAN};
     s[i].t = s[i].ray.origin[2] - axis_z_mm;

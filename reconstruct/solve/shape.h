@@ -34,6 +34,7 @@ typedef struct placido_sample {
   double slope;       /* of the miss in the image, per px */
   double residual_px; /* signed distance from the edge, first order (Sampson); NaN: ray misses */
   bool used;
+  double shared;      /* the part of `noise` that is due to neighbours measuring the same */
   double noise;       /* standard deviation, relative to the others'. While the spline is fitted
                          (sightlines.h), what slope and residual call a px is so many */
 } placido_sample;

@@ -26,6 +26,7 @@ typedef struct placido_solution {
   placido_axis axis;
   double reach_mm;
   double coarse_px, misfit;    /* spread with the coarsest knots, and that over the rough noise */
+  double kin_px;               /* along an edge, over which points err alike */
   double cut;                  /* share of the points that were set aside */
   int shift;                   /* that all numbers ask for */
   double geometry_px;          /* of the instrument's uncertainty, what no smooth surface follows */
