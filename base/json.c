@@ -267,6 +267,10 @@ void placido_json_warn_unknown(const placido_json *json, const char *path,
 
 int placido_json_save(const json_t *root, const char *path, placido_error *err) {
   placido_file file;
+  if (!root) {
+    return placido_error_set(err, PLACIDO_MEMORY, "out of memory writing %s",
+                             placido_text_tail(path));
+  }
   int status = placido_file_create(&file, path, err);
   if (status) {
     return status;

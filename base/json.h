@@ -52,7 +52,7 @@ void placido_json_warn_unknown(const placido_json *json, const char *path,
                                const char *const *known, placido_notes *notes);
 
 /* Writes `root` (borrowed) to a file by way of a temporary name; numbers with 17 significant
- * digits. NaN and infinity cannot stand in JSON: use placido_json_real, which gives null for
+ * digits. NULL is refused as what memory ran out for. NaN and infinity cannot stand in JSON: use placido_json_real, which gives null for
  * them. */
 int placido_json_save(const json_t *root, const char *path, placido_error *err);
 /* A JSON number, or null where the value is not finite. A new reference, NULL: out of memory. */

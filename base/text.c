@@ -39,6 +39,17 @@ void placido_text_line(char *text) {
   }
 }
 
+void placido_text_quote(FILE *stream, const char *text) {
+  fputc('"', stream);
+  for (; *text; text++) {
+    if (*text == '"') {
+      fputc('"', stream);
+    }
+    fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
+  }
+  fputc('"', stream);
+}
+
 const char *placido_text_tail(const char *path) {
   size_t length = strlen(path);
   if (length <= SHOWN_BYTES) {

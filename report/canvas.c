@@ -178,6 +178,22 @@ void placido_canvas_print(const placido_canvas *canvas, double x, double y, doub
   placido_canvas_text(canvas, x, y, height_px, anchor, false, text);
 }
 
+void placido_canvas_mark(const placido_canvas *canvas, double x, double y, double r_px, int form) {
+  cairo_t *cr = canvas->cr;
+  const double r = r_px;
+  if (form == 0) {
+    cairo_arc(cr, x, y, r, 0, 2 * 3.14159265358979323846);
+  } else if (form == 1) {
+    cairo_rectangle(cr, x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
+  } else {
+    cairo_move_to(cr, x - 1.1 * r, y + 0.8 * r);
+    cairo_line_to(cr, x + 1.1 * r, y + 0.8 * r);
+    cairo_line_to(cr, x, y - 1.1 * r);
+    cairo_close_path(cr);
+  }
+  cairo_fill(cr);
+}
+
 void placido_canvas_scale_bar(const placido_canvas *canvas, double x, double y, double length_px,
                               double text_px, const char *text) {
   double mark_px = 0.3 * text_px;

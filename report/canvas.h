@@ -48,6 +48,9 @@ __attribute__((format(printf, 6, 7)))
 void placido_canvas_print(const placido_canvas *canvas, double x, double y, double height_px,
                           enum placido_anchor anchor, const char *format, ...);
 
+/* A filled circle (form 0), square (1) or triangle of about `r_px` around (x, y). */
+void placido_canvas_mark(const placido_canvas *canvas, double x, double y, double r_px, int form);
+
 /* A horizontal bar with end marks and its length in words above, left end at (x, y). */
 void placido_canvas_scale_bar(const placido_canvas *canvas, double x, double y, double length_px,
                               double text_px, const char *text);

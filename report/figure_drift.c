@@ -44,17 +44,7 @@ static void draw_mark(const panel *p, double t_s, double value, int form, bool p
   }
   double x = to_x(p, t_s), y = to_y(p, value), r = 4;
   placido_canvas_ink(p->canvas, inks[form]);
-  if (form == 0) {
-    cairo_arc(cr, x, y, r, 0, 2 * pi);
-  } else if (form == 1) {
-    cairo_rectangle(cr, x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
-  } else {
-    cairo_move_to(cr, x - 1.1 * r, y + 0.8 * r);
-    cairo_line_to(cr, x + 1.1 * r, y + 0.8 * r);
-    cairo_line_to(cr, x, y - 1.1 * r);
-    cairo_close_path(cr);
-  }
-  cairo_fill(cr);
+  placido_canvas_mark(p->canvas, x, y, r, form);
   if (!passed) {
     placido_canvas_ink(p->canvas, red);
     cairo_set_line_width(cr, 1.5);

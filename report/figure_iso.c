@@ -9,7 +9,7 @@
 
 enum { WIDTH = 1000, LEFT = 96, RIGHT = 970, TEXT = 16, SLOT = 26 };
 
-static const double pi = 3.14159265358979323846;
+#define MARK_PX 4.5
 
 /* Okabe and Ito (2008): blue, orange and bluish green, each with a mark of its own form. */
 static const placido_rgb inks[PLACIDO_ISO_ZONES] = {
@@ -42,22 +42,6 @@ static double spread_of(const panel *p, const placido_iso_zone *zone) {
   return p->elevation ? zone->elevation_2sd_um : zone->axial_2sd_D;
 }
 
-/* A filled circle, square or triangle. */
-static void draw_mark(cairo_t *cr, double x, double y, int form) {
-  const double r = 4.5;
-  if (form == 0) {
-    cairo_arc(cr, x, y, r, 0, 2 * pi);
-  } else if (form == 1) {
-    cairo_rectangle(cr, x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
-  } else {
-    cairo_move_to(cr, x - 1.1 * r, y + 0.8 * r);
-    cairo_line_to(cr, x + 1.1 * r, y + 0.8 * r);
-    cairo_line_to(cr, x, y - 1.1 * r);
-    cairo_close_path(cr);
-  }
-  cairo_fill(cr);
-}
-
 static void draw_zone(const panel *p, double x, const placido_iso_zone *zone, int form) {
   double mean = mean_of(p, zone), spread = spread_of(p, zone);
   if (!isfinite(mean)) {
@@ -69,7 +53,7 @@ static void draw_zone(const panel *p, double x, const placido_iso_zone *zone, in
   placido_canvas_line(p->canvas, x, high, x, low);
   placido_canvas_line(p->canvas, x - 5, high, x + 5, high);
   placido_canvas_line(p->canvas, x - 5, low, x + 5, low);
-  draw_mark(p->canvas->cr, x, to_y(p, mean), form);
+  placido_canvas_mark(p->canvas, x, to_y(p, mean), MARK_PX, form);
 }
 
 /* The greatest of 1, 2 and 5 times a power of ten that divides `reach` in at least two. */
@@ -162,7 +146,7 @@ static void draw_legend(const placido_canvas *canvas) {
   for (int k = 0; k < PLACIDO_ISO_ZONES; k++) {
     double x = RIGHT - 350 + 125 * k;
     placido_canvas_ink(canvas, inks[k]);
-    draw_mark(canvas->cr, x - 12, 24, k);
+    placido_canvas_mark(canvas, x - 12, 24, MARK_PX, k);
     placido_canvas_ink(canvas, black);
     placido_canvas_text(canvas, x, 24, TEXT * 0.85, PLACIDO_LEFT, false, zone_names[k]);
   }

@@ -10,6 +10,8 @@
 
 #include <math.h>
 
+static const double radians_per_um = 2 * 3.14159265358979323846 / 0.555;
+
 static double square_pupil(const placido_wavefront *w) {
   return w->eye.pupil_mm * w->eye.pupil_mm / 4;
 }
@@ -94,6 +96,21 @@ static double axis(const placido_wavefront *w, const double *c) {
   return clinical(w, c, true);
 }
 
+/* |mean of exp(i 2 pi W / wavelength)|² by the wavefront's own quadrature. */
+static double strehl(const placido_wavefront *w, const double *c) {
+  double real = 0, imaginary = 0;
+  for (size_t i = 0; i < w->count; i++) {
+    double opd_um = 0;
+    for (int j = 1; j < w->term_count; j++) {
+      opd_um += c[j] * w->terms[(size_t)j * w->count + i];
+    }
+    double angle = radians_per_um * opd_um;
+    real += w->weight[i] * cos(angle);
+    imaginary += w->weight[i] * sin(angle);
+  }
+  return real * real + imaginary * imaginary;
+}
+
 static const placido_wavefront_figure figures[] = {
     {"rms_total_um", "um", "Root mean square of the terms of order 2 and above.", 0, rms_total},
     {"rms_hoa_um", "um", "Root mean square of the terms of order 3 and above.", 0, rms_higher},
@@ -112,6 +129,8 @@ static const placido_wavefront_figure figures[] = {
     {"j45_D", "D", "Astigmatism, axes 45 and 135: -2 √6 c2-2 / r² (Thibos 2004).", 0, cross_oblique},
     {"cylinder_D", "D", "Minus cylinder that corrects it, of J0 and J45.", 0, cylinder},
     {"axis_deg", "deg", "Axis of that cylinder.", 180, axis},
+    {"strehl_555nm", "", "Strehl ratio at 555 nm in the direction of the reference sphere's centre: "
+     "|mean of exp(i 2 π W / wavelength)|².", 0, strehl},
 };
 
 const placido_wavefront_figure *placido_wavefront_figures(size_t *count) {

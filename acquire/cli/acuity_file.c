@@ -60,12 +60,7 @@ int acuity_save(const struct acuity_view *view, double pupil_mm, const char *pat
   json_t *root = json_pack("{s:s, s:f, s:o, s:o, s:f}", "format", "placido-acuity/1", "pupil_mm",
                            pupil_mm, "tests", tests, "ghosts", write_ghosts(&view->ghosts),
                            "seconds", view->seconds);
-  int status = PLACIDO_MEMORY;
-  if (failed || !root) {
-    placido_error_set(err, status, "out of memory while writing %s", path);
-  } else {
-    status = placido_json_save(root, path, err);
-  }
+  const int status = placido_json_save(failed ? NULL : root, path, err);
   json_decref(root);
   return status;
 }

@@ -51,22 +51,6 @@ static int parse_sign(void *field, const struct option_row *row, const char *tex
   return PLACIDO_OK;
 }
 
-static int parse_eye(void *field, const struct option_row *row, const char *text,
-                     placido_error *err) {
-  if (strcmp(text, "OD") != 0 && strcmp(text, "OS") != 0) {
-    return placido_error_set(err, STATUS_USAGE,
-                             "--%s %s: OD (the right) or OS (the left) was expected", row->name,
-                             text);
-  }
-  return parse_text(field, row, text, err);
-}
-
-static int parse_subject(void *field, const struct option_row *row, const char *text,
-                         placido_error *err) {
-  const int status = subject_id_check(text, err);
-  return status == PLACIDO_OK ? parse_text(field, row, text, err) : status;
-}
-
 static const struct option_row import_rows[] = {
     {"output", 'o', "DIR", "Directory to write. It appears whole or not at all; an earlier result "
      "of the same command is replaced, anything else is not touched.",

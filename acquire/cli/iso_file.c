@@ -3,6 +3,7 @@
 #include "acquire/cli/record.h"
 #include "base/file.h"
 #include "base/json.h"
+#include "base/text.h"
 
 #include <math.h>
 
@@ -14,20 +15,8 @@ static void write_number(FILE *stream, double value) {
   }
 }
 
-/* In quotes (RFC 4180). */
-static void write_text(FILE *stream, const char *text) {
-  fputc('"', stream);
-  for (; *text; text++) {
-    if (*text == '"') {
-      fputc('"', stream);
-    }
-    fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
-  }
-  fputc('"', stream);
-}
-
 static void write_zone(FILE *stream, const placido_iso_result *result, const placido_iso_zone *zone) {
-  write_text(stream, result->object);
+  placido_text_quote(stream, result->object);
   const double numbers[] = {zone->inner_mm, zone->outer_mm, (double)zone->points, zone->covered,
                             zone->axial_mean_D, zone->axial_2sd_D,
                             zone->elevation_mean_um, zone->elevation_2sd_um};
@@ -116,9 +105,7 @@ json_t *iso_result_json(const placido_iso_result *results, size_t count, const c
 int iso_save_json(const placido_iso_result *results, size_t count, const char *instrument,
                   const char *created, const char *path, placido_error *err) {
   json_t *root = iso_result_json(results, count, instrument, created);
-  const int status = root ? placido_json_save(root, path, err)
-                          : placido_error_set(err, PLACIDO_MEMORY,
-                                              "out of memory while writing %s", path);
+  const int status = placido_json_save(root, path, err);
   json_decref(root);
   return status;
 }

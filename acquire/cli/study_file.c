@@ -2,6 +2,7 @@
 #include "acquire/cli/record.h"
 #include "acquire/cli/study.h"
 #include "base/json.h"
+#include "base/text.h"
 
 #include <math.h>
 #include <string.h>
@@ -61,24 +62,12 @@ static size_t list_figures(struct figure figures[FIGURES_MAX], const placido_stu
   return count;
 }
 
-/* In quotes (RFC 4180). */
-static void write_text(FILE *stream, const char *text) {
-  fputc('"', stream);
-  for (; *text; text++) {
-    if (*text == '"') {
-      fputc('"', stream);
-    }
-    fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
-  }
-  fputc('"', stream);
-}
-
 static void write_row(FILE *stream, const placido_study_eye *eye, const placido_study_cell *cell) {
   struct figure figures[FIGURES_MAX];
   const size_t count = list_figures(figures, cell);
-  write_text(stream, eye->name);
+  placido_text_quote(stream, eye->name);
   fputc(',', stream);
-  write_text(stream, eye->group);
+  placido_text_quote(stream, eye->group);
   fprintf(stream, ",%.17g,%s", cell->pupil_mm, verdict_name(cell));
   for (size_t i = 0; i < count; i++) {
     if (isfinite(figures[i].value)) {
@@ -88,7 +77,7 @@ static void write_row(FILE *stream, const placido_study_eye *eye, const placido_
     }
   }
   fputc(',', stream);
-  write_text(stream, cell->failure);
+  placido_text_quote(stream, cell->failure);
   fputc('\n', stream);
 }
 
@@ -203,9 +192,7 @@ json_t *study_json(const placido_study *page) {
 
 int study_save_json(const placido_study *page, const char *path, placido_error *err) {
   json_t *root = study_json(page);
-  const int status = root ? placido_json_save(root, path, err)
-                          : placido_error_set(err, PLACIDO_MEMORY,
-                                              "out of memory while writing %s", path);
+  const int status = placido_json_save(root, path, err);
   json_decref(root);
   return status;
 }

@@ -1,8 +1,6 @@
 /* An id that tells nothing of whose it is: names do not fit its alphabet, and dates are refused. */
 #include "acquire/cli/subject_id.h"
 
-#include "acquire/cli/options.h"
-
 #include <stdbool.h>
 #include <string.h>
 
@@ -79,4 +77,18 @@ int subject_id_check(const char *id, placido_error *err) {
                              id);
   }
   return PLACIDO_OK;
+}
+
+int parse_eye(void *field, const struct option_row *row, const char *text, placido_error *err) {
+  if (strcmp(text, "OD") != 0 && strcmp(text, "OS") != 0) {
+    return placido_error_set(err, STATUS_USAGE,
+                             "--%s %s: OD (the right) or OS (the left) was expected", row->name,
+                             text);
+  }
+  return parse_text(field, row, text, err);
+}
+
+int parse_subject(void *field, const struct option_row *row, const char *text, placido_error *err) {
+  const int status = subject_id_check(text, err);
+  return status == PLACIDO_OK ? parse_text(field, row, text, err) : status;
 }

@@ -11,22 +11,6 @@
 #define FIELD(name) offsetof(struct settings, name)
 #define COUNT(rows) (sizeof(rows) / sizeof((rows)[0]))
 
-static int parse_eye(void *field, const struct option_row *row, const char *text,
-                     placido_error *err) {
-  if (strcmp(text, "OD") != 0 && strcmp(text, "OS") != 0) {
-    return placido_error_set(err, STATUS_USAGE,
-                             "--%s %s: OD (the right) or OS (the left) was expected", row->name,
-                             text);
-  }
-  return parse_text(field, row, text, err);
-}
-
-static int parse_subject(void *field, const struct option_row *row, const char *text,
-                         placido_error *err) {
-  const int status = subject_id_check(text, err);
-  return status == PLACIDO_OK ? parse_text(field, row, text, err) : status;
-}
-
 static int parse_codec(void *field, const struct option_row *row, const char *text,
                        placido_error *err) {
   struct take_settings *take = field;

@@ -73,12 +73,7 @@ int wavefronts_save(const struct wavefronts *wavefronts, const char *path, placi
     failed = json_array_append_new(pupils, write_view(&wavefronts->items[i])) != 0 || failed;
   }
   json_t *root = json_pack("{s:s, s:o}", "format", "placido-wavefront/1", "pupils", pupils);
-  int status = PLACIDO_MEMORY;
-  if (failed || !root) {
-    placido_error_set(err, status, "out of memory while writing %s", path);
-  } else {
-    status = placido_json_save(root, path, err);
-  }
+  const int status = placido_json_save(failed ? NULL : root, path, err);
   json_decref(root);
   return status;
 }

@@ -43,14 +43,15 @@ static long find_colour(const char *path, unsigned colour, int left, int right, 
   return found;
 }
 
-/* A PSF with two images beside each other blurs upright gratings: 0 degrees is low, 90 high. */
-static void contrast_falls_along_the_double_image(void **state) {
+/* An image that is wider than high blurs upright gratings more: 0 degrees is low, 90 high. */
+static void contrast_falls_along_the_wider_blur(void **state) {
   char *path = scratch_path(state, "quality.png");
   placido_psf psf = fabricate_psf(65);
   int middle = 65 / 2;
   psf.values[middle * 65 + middle - 1] = 0.5;
   psf.values[middle * 65 + middle + 1] = 0.5;
   psf.values[middle * 65 + middle] = 0.5;
+  psf.values[(middle - 1) * 65 + middle] = psf.values[(middle + 1) * 65 + middle] = 0.2;
   assert_int_equal(placido_figure_quality(&psf, NULL, path, NULL), PLACIDO_OK);
   double across, along;
   assert_true(find_colour(path, blue, HALF + 64, HALF + 440, 90, 480, &across) > 50);
@@ -73,7 +74,6 @@ static void focus_is_drawn_where_it_is(void **state) {
   curve.visual_strehl = high;
   curve.peak = low;
   assert_int_equal(placido_figure_quality(&psf, &curve, path, NULL), PLACIDO_OK);
-  assert_true(find_colour(path, blue, HALF + 64, HALF + 440, 560, HEIGHT, &high_y) >= 0);
   assert_true(find_colour(path, orange, HALF + 64, HALF + 440, 560, HEIGHT, &high_y) > 50);
   assert_true(high_y > low_y - 3 && high_y < low_y + 3);
   free(psf.values);
@@ -95,7 +95,7 @@ static void a_psf_without_light_is_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      SCRATCH_TEST(contrast_falls_along_the_double_image),
+      SCRATCH_TEST(contrast_falls_along_the_wider_blur),
       SCRATCH_TEST(focus_is_drawn_where_it_is),
       SCRATCH_TEST(a_psf_without_light_is_refused),
   };

@@ -2,9 +2,11 @@
 #include "eyes.h"
 #include "tests/support/near.h"
 
+#include <placido/quality.h>
 #include <placido/wavefront.h>
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { POINTS = 4000, ORDER = 15, TERMS = 136 };
 
@@ -148,6 +150,26 @@ static void refraction_of_terms(void **state) {
   assert_near(placido_terms_refraction(terms_um, 15, 4, false).m_D, whole.m_D, 1e-12);
 }
 
+/* Maréchal's estimate holds for a little spherical aberration: Q off the perfect one by 0.2, 4 mm. */
+static void strehl_ratio_of_a_wavefront(void **state) {
+  (void)state;
+  placido_surface *surface = conic(7.8, -1 / (1.3375 * 1.3375) + 0.2);
+  const placido_eye eye = {.pupil_mm = 4};
+  placido_wavefront w;
+  size_t count, i = 0;
+  const placido_wavefront_figure *figures = placido_wavefront_figures(&count);
+  while (strcmp(figures[i].name, "strehl_555nm") != 0) {
+    i++;
+  }
+  assert_int_equal(placido_wavefront_new(&w, surface, &eye, NULL, NULL, NULL), PLACIDO_OK);
+  double strehl = figures[i].at(&w, w.coefficients_um);
+  assert_true(strehl > 0.6 && strehl < 0.99);
+  assert_near(strehl, placido_strehl_marechal(w.rms_um, 555), 0.01);
+  assert_near(strehl, placido_strehl(w.opd_um, NULL, w.weight, w.count, 555), 1e-6);
+  placido_wavefront_free(&w);
+  placido_surface_free(surface);
+}
+
 /* All terms up to order 15 of a keratoconus: higher ones explain more. */
 static void wavefronts_go_up_to_order_15(void **state) {
   (void)state;
@@ -175,6 +197,7 @@ int main(void) {
     cmocka_unit_test(weights_and_gaps),
     cmocka_unit_test(too_few_points_are_refused),
     cmocka_unit_test(refraction_of_terms),
+    cmocka_unit_test(strehl_ratio_of_a_wavefront),
     cmocka_unit_test(wavefronts_go_up_to_order_15),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
