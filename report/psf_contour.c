@@ -37,7 +37,7 @@ static void draw_cell(const placido_canvas *canvas, const cell *c, double level)
   }
   double mean = 0.25 * (c->corner[0] + c->corner[1] + c->corner[2] + c->corner[3]);
   int first = count == 4 && (mean >= level) != (c->corner[0] >= level) ? 1 : 0;
-  for (int k = 0; k + 1 < count; k += 2) { /* of four crossings: about corners 1 and 3, or 2 and 0 */
+  for (int k = 0; k + 1 < count; k += 2) { /* four crossings: about corners 1 and 3, or 2, 0 */
     double x, y;
     cross(c, level, sides[(first + k) % count], &x, &y);
     cairo_move_to(canvas->cr, x, y);

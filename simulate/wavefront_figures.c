@@ -129,8 +129,8 @@ static const placido_wavefront_figure figures[] = {
     {"j45_D", "D", "Astigmatism, axes 45 and 135: -2 √6 c2-2 / r² (Thibos 2004).", 0, cross_oblique},
     {"cylinder_D", "D", "Minus cylinder that corrects it, of J0 and J45.", 0, cylinder},
     {"axis_deg", "deg", "Axis of that cylinder.", 180, axis},
-    {"strehl_555nm", "", "Strehl ratio at 555 nm in the direction of the reference sphere's centre: "
-     "|mean of exp(i 2 π W / wavelength)|².", 0, strehl},
+    {"strehl_555nm", "", "Strehl ratio at 555 nm towards the reference sphere's centre: |mean of "
+     "exp(i 2 π W / wavelength)|².", 0, strehl},
 };
 
 const placido_wavefront_figure *placido_wavefront_figures(size_t *count) {

@@ -1,8 +1,8 @@
 /* Refraction from Zernike terms: of the whole pupil by least squares, or of its centre.
  *
- * Thibos, Hong, Bradley and Applegate, J. Vision 4, 329 (2004), eqs. 2 and 3. At the centre a term of
- * frequency 0 gives its coefficient of the squared radius, and one of frequency 2 the constant that
- * its angle is multiplied by there. */
+ * Thibos, Hong, Bradley and Applegate, J. Vision 4, 329 (2004), eqs. 2 and 3. At the centre a term
+ * of frequency 0 gives its coefficient of the squared radius, and one of frequency 2 the constant
+ * that its angle is multiplied by there. */
 #include <placido/wavefront.h>
 
 #include "reconstruct/surface/zernike.h"

@@ -1,5 +1,5 @@
-/* How long a diffraction image takes, against the transforms that its pupil needs alone, and a fit of
- * Zernike terms, against computing the terms. */
+/* How long a diffraction image takes, against the transforms that its pupil needs alone, and a fit
+ * of Zernike terms, against computing the terms. */
 #include "acquire/cli/bench_simulate.h"
 #include "base/memory.h"
 #include "simulate/fft.h"

@@ -21,21 +21,22 @@ typedef struct placido_pupil {
   int n;                   /* samples a side, 8 to 8192 */
   double spacing_mm;       /* the grid reaches the pupil's edge: n spacing_mm >= pupil_mm */
   double pupil_mm;         /* diameter */
-  const double *opd_um;    /* n * n, rows outer: path of the chief ray less the ray's, positive where
-                              light is ahead; NaN: no light comes through there. Next to the edge
-                              samples outside the pupil are interpolated with; where they are NaN
-                              the wavefront is continued */
-  const double *amplitude; /* likewise, of the field: the square root of what a ray counts; NULL: 1 */
+  const double *opd_um;    /* n * n, rows outer: path of the chief ray less the ray's, positive
+                              where light is ahead; NaN: no light comes through there. Next to the
+                              edge samples outside the pupil are interpolated with; where they are
+                              NaN the wavefront is continued */
+  const double *amplitude; /* likewise, of the field: the square root of what a ray counts;
+                              NULL: 1 */
 } placido_pupil;
 
 /* Light of one wavelength. */
 typedef struct placido_wave {
   double wavelength_nm;        /* 100 to 10,000 */
   double weight;               /* of its light, 0 or more; where all sum to 1 so does the PSF */
-  double defocus_D;            /* more power for this wavelength, as longitudinal chromatic aberration
-                                  gives it: blue has more */
-  double x_arcmin, y_arcmin;   /* where its image lies in the window, x with the columns and y with
-                                  the rows: transverse chromatic aberration */
+  double defocus_D;            /* more power for this wavelength, as longitudinal chromatic
+                                  aberration gives it: blue has more */
+  double x_arcmin, y_arcmin;   /* where its image lies in the window, x with the columns and y
+                                  with the rows: transverse chromatic aberration */
 } placido_wave;
 
 /* Where the light is caught; zero means the default in brackets. */
@@ -43,8 +44,8 @@ typedef struct placido_window {
   int buckets;          /* a side, odd, 3 to 4095 [257] */
   double bucket_arcmin; /* width of a bucket, [0.5]; more than 0 */
   int samples;          /* across the pupil; [chosen for each wavelength] */
-  bool points;          /* values in the buckets' middles times their area, not their integrals: only
-                           to compare with programs that do so */
+  bool points;          /* values in the buckets' middles times their area, not their integrals:
+                           only to compare with programs that do so */
   int threads;          /* 1 to 256 [1]; the result does not depend on it */
 } placido_window;
 
@@ -74,26 +75,26 @@ int placido_diffraction(double *values, placido_diffraction_use *use, const plac
 
 /* A pupil that owns its arrays: free with placido_pupil_free. */
 
-/* The sum of Zernike terms (OSA index, micrometres, over the pupil; `count` of them), on n samples a
- * side [0: as many as the highest order asks for]. PLACIDO_OK, PLACIDO_INPUT, PLACIDO_MEMORY. */
+/* The sum of Zernike terms (OSA index, micrometres, over the pupil; `count` of them), on n samples
+ * a side [0: as many as the highest order asks for]. PLACIDO_OK, PLACIDO_INPUT, PLACIDO_MEMORY. */
 int placido_pupil_of_terms(placido_pupil *pupil, double pupil_mm, const double *coefficients_um,
                            int count, int n, placido_error *err);
 
-/* Exact paths from a plane wave through the surface, with the lens that the eye wears, to the point
- * (x, y, depth behind the surface's point on the axis); eye->retina_mm is not looked at. Where data
- * do not support the surface its continuation stands in; where it is not defined no light comes.
- * `threads` as in a window. PLACIDO_OK, PLACIDO_INPUT, PLACIDO_QUALITY (it is not defined on the axis
- * or at the pupil's centre), PLACIDO_MEMORY. */
+/* Exact paths from a plane wave through the surface, with the lens that the eye wears, to the
+ * point (x, y, depth behind the surface's point on the axis); eye->retina_mm is not looked at.
+ * Where data do not support the surface its continuation stands in; where it is not defined no
+ * light comes. `threads` as in a window. PLACIDO_OK, PLACIDO_INPUT, PLACIDO_QUALITY (it is not
+ * defined on the axis or at the pupil's centre), PLACIDO_MEMORY. */
 int placido_pupil_of_surface(placido_pupil *pupil, const placido_surface *surface,
                              const placido_eye *eye, const double focus_mm[3], int threads,
                              placido_error *err);
 
 void placido_pupil_free(placido_pupil *pupil);
 
-/* `count` wavelengths of equal steps from first_nm to last_nm with the eye's chromatic difference of
- * focus against focus_nm (Thibos et al., Applied Optics 31, 3594 (1992)) and the weights of
- * luminous efficiency (V, as a Gaussian of wavelength); weights sum to 1. At least 15 for
- * 400 to 700 nm: seven are 17 % off in the Strehl ratio. PLACIDO_OK, PLACIDO_INPUT. */
+/* `count` wavelengths of equal steps from first_nm to last_nm with the eye's chromatic difference
+ * of focus against focus_nm (Thibos et al., Applied Optics 31, 3594 (1992)) and the weights of
+ * luminous efficiency (V, as a Gaussian of wavelength); weights sum to 1. At least 15 for 400 to
+ * 700 nm: seven are 17 % off in the Strehl ratio. PLACIDO_OK, PLACIDO_INPUT. */
 int placido_waves_white(placido_wave *waves, size_t count, double first_nm, double last_nm,
                         double focus_nm, placido_error *err);
 

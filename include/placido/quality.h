@@ -1,5 +1,5 @@
-/* How good an image is: transfer of contrast, encircled energy, moments, Strehl ratios, and all of it
- * through focus. Of a PSF it makes no difference whether rays or waves made it. */
+/* How good an image is: transfer of contrast, encircled energy, moments, Strehl ratios, and all of
+ * it through focus. Of a PSF it makes no difference whether rays or waves made it. */
 #ifndef PLACIDO_QUALITY_H
 #define PLACIDO_QUALITY_H
 
@@ -25,8 +25,9 @@ typedef struct placido_mtf {
                                               patient's right; `count` values each */
 } placido_mtf;
 
-/* At `count` (2 or more) frequencies from 0 on, the last of which is at most 30 / bucket_arcmin. Free
- * with placido_mtf_free. PLACIDO_OK, PLACIDO_INPUT, PLACIDO_QUALITY (no light), PLACIDO_MEMORY. */
+/* At `count` (2 or more) frequencies from 0 on, the last of which is at most 30 / bucket_arcmin.
+ * Free with placido_mtf_free. PLACIDO_OK, PLACIDO_INPUT, PLACIDO_QUALITY (no light),
+ * PLACIDO_MEMORY. */
 int placido_mtf_new(placido_mtf *mtf, const placido_psf *psf, int count, double step_cpd,
                     placido_error *err);
 void placido_mtf_free(placido_mtf *mtf);

@@ -72,7 +72,8 @@ typedef struct placido_wavefront_figure {
   double (*at)(const placido_wavefront *wavefront, const double *coefficients_um);
 } placido_wavefront_figure;
 
-/* The figures that this build knows, `*count` rows: rms, spherical aberration, coma, refraction ... */
+/* The figures that this build knows, `*count` rows: rms, spherical aberration, coma, refraction
+ * ... */
 const placido_wavefront_figure *placido_wavefront_figures(size_t *count);
 
 /* Difference of two values of a figure; of angles the shorter way round. */
@@ -82,27 +83,27 @@ double placido_wavefront_difference(const placido_wavefront_figure *figure, doub
 typedef struct placido_zernike_fit {
   int order, term_count;
   double coefficients[PLACIDO_WAVEFRONT_TERMS]; /* OSA index; unit of the values */
-  double rms;        /* root mean square of what the terms leave; below 1e-7 of the values' own it is
-                        rounding */
-  double condition;  /* of the fit: 1 where the points make the terms orthogonal; error bars of the
-                        values grow by at most so much */
+  double rms;        /* root mean square of what the terms leave; below 1e-7 of the values' own it
+                        is rounding */
+  double condition;  /* of the fit: 1 where the points make the terms orthogonal; error bars of
+                        the values grow by at most so much */
   size_t count;      /* points used */
 } placido_zernike_fit;
 
 /* Fits all terms up to `order` (0 to 15) to `z` at (x, y) in units of the pupil's radius, each
- * counting by `weight` (NULL: 1; 0 or more). Points outside the unit circle and those where anything
- * is NaN are left out. By normal equations, which the terms' near-orthogonality allows: the result
- * is good to about 1e-16 times the condition squared. Returns PLACIDO_OK, PLACIDO_INPUT (the order),
- * PLACIDO_QUALITY (fewer points than terms, or a condition of over 1e5: the points do not determine
- * the terms), PLACIDO_MEMORY. */
+ * counting by `weight` (NULL: 1; 0 or more). Points outside the unit circle and those where
+ * anything is NaN are left out. By normal equations, which the terms' near-orthogonality allows:
+ * the result is good to about 1e-16 times the condition squared. Returns PLACIDO_OK, PLACIDO_INPUT
+ * (the order), PLACIDO_QUALITY (fewer points than terms, or a condition of over 1e5: the points do
+ * not determine the terms), PLACIDO_MEMORY. */
 int placido_zernike_fit_points(placido_zernike_fit *fit, int order, const double *x,
                                const double *y, const double *z, const double *weight,
                                size_t count, placido_error *err);
 
-/* The power vector that corrects a wavefront (micrometres, by OSA index, `count` of them) over a pupil
- * of this diameter. Least squares: M = -4 sqrt(3) c20 / r², J0 = -2 sqrt(6) c22 / r², J45 likewise;
- * else the curvature at the pupil's centre, to which all terms of frequency 0 and 2 add (Thibos et
- * al., J. Vision 4, 329 (2004)). */
+/* The power vector that corrects a wavefront (micrometres, by OSA index, `count` of them) over a
+ * pupil of this diameter. Least squares: M = -4 sqrt(3) c20 / r², J0 = -2 sqrt(6) c22 / r², J45
+ * likewise; else the curvature at the pupil's centre, to which all terms of frequency 0 and 2 add
+ * (Thibos et al., J. Vision 4, 329 (2004)). */
 placido_correction placido_terms_refraction(const double *coefficients_um, int count,
                                             double pupil_mm, bool at_centre);
 

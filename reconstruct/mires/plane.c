@@ -1,28 +1,33 @@
-/* Frame to grey plane; colour planes compete by the energy of their unclipped gradients. */
+/* Frame to grey plane; colour planes compete by the energy of their unclipped gradients, times the
+ * share of the plane that is not clipped: next to clipped samples edges are out of place. */
 #include "reconstruct/mires/plane.h"
 
 #include <stdbool.h>
+
+#define CLIPPED 0.99F
 
 static float sample(const placido_frame *frame, int x, int y, int channel) {
   const uint8_t *row = frame->data + (size_t)y * frame->stride_bytes;
   return (float)row[3 * x + channel] / 255;
 }
 
-/* Sum of squared differences over 2 px along u and v where no sample is clipped, on every fourth
- * row. */
+/* Mean squared difference over 2 px along u and v where no sample is clipped, on every fourth row,
+ * times the share of the plane that is not. */
 static double contrast(const placido_frame *frame, int channel) {
-  double sum = 0;
+  double sum = 0, open = 0, all = 0;
   for (int y = 2; y < frame->height_px; y += 4) {
     for (int x = 2; x < frame->width_px; x++) {
       float here = sample(frame, x, y, channel);
-      if (here < 0.99F) {
+      all++;
+      if (here < CLIPPED) {
+        open++;
         float across = here - sample(frame, x - 2, y, channel);
         float down = here - sample(frame, x, y - 2, channel);
         sum += (double)(across * across + down * down);
       }
     }
   }
-  return sum;
+  return all > 0 ? sum * open / (all * all) : 0;
 }
 
 static int best_channel(const placido_frame *frame) {

@@ -13,10 +13,8 @@
 #define PULL_PX2 0.03
 #define PULL_NOISE_PX 0.8 /* more per px of noise, which makes a width uncertain */
 #define PULL_LONG_PX2 0.035
-#define PULL_LONGER_PX2                                                                            \
-  2.0                    /* more per unit of unevenness, log of the points' standard deviation     \
-                          */
-#define UNEVEN_SECTORS 6 /* of half a turn: opposite ones count together */
+#define PULL_LONGER_PX2 2.0 /* more per unit of unevenness, log of standard deviations */
+#define UNEVEN_SECTORS 6    /* of half a turn: opposite ones count together */
 #define PULL_CURVED_PX2 0.8
 #define BOW_DEG 6.0 /* an edge's curvature is that of a circle through points so far apart */
 #define KIN_USUAL_PX 3.5

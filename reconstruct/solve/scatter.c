@@ -3,7 +3,8 @@
  * independent points would give (cluster-robust covariance: Liang and Zeger, Biometrika 73:13,
  * 1986), each enlarged by what the fit has taken of it (its leverage: MacKinnon and White, J.
  * Econometrics 29:305, 1985, HC2). What whole edges have in common the arcs do not show: it is
- * estimated from the edges' means and sent through the solution, wave by wave over the edges. */
+ * estimated from the edges' means, as far as these exceed the points' noise, and sent through the
+ * solution, wave by wave over the edges. */
 #include "reconstruct/solve/scatter.h"
 
 #include "base/memory.h"
@@ -80,8 +81,8 @@ static void put(map *m, double x_mm, double y_mm, double shown, double expected)
 }
 
 /* Ends an arc: `middle` is one of its samples. The normal equations take Σ w for how the robust
- * loss bends; it bends less (Huber, Robust Statistics, 1981, eq. 6.5 of chapter 7), so that errors
- * do more. */
+ * loss bends; it bends less, so that errors do more (Huber, Robust Statistics, 1981, section 7.6).
+ */
 static void close_arc(map *m, const arc *a, const placido_sample *middle,
                       const placido_refinement *r, const double *inverse) {
   double row[PLACIDO_SPLINE_CELL], weight = placido_sample_row(row, middle, r->sigma_px);

@@ -16,16 +16,16 @@ typedef struct placido_front {
   double slope_max;   /* of the path difference within the pupil, micrometres per millimetre */
 } placido_front;
 
-/* Free with placido_front_free. PLACIDO_OK, PLACIDO_INPUT, PLACIDO_QUALITY (no light, or a grid that
- * cannot follow its wavefront to `tolerance_um`), PLACIDO_MEMORY. */
+/* Free with placido_front_free. PLACIDO_OK, PLACIDO_INPUT, PLACIDO_QUALITY (no light, or a grid
+ * that cannot follow its wavefront to `tolerance_um`), PLACIDO_MEMORY. */
 int placido_front_new(placido_front *front, const placido_pupil *pupil, double tolerance_um,
                       placido_error *err);
 void placido_front_free(placido_front *front);
 
-/* The field of one wavelength on n * n cells of spacing_mm about the pupil's centre: a cell that the
- * rim crosses counts by its area inside. Rows of `stride` complex numbers (real, imaginary); cells
- * outside stay 0. `work` has room for placido_field_work(front, n) numbers. Returns the light: the
- * sum over the cells of area times the square of the amplitude. */
+/* The field of one wavelength on n * n cells of spacing_mm about the pupil's centre: a cell that
+ * the rim crosses counts by its area inside. Rows of `stride` complex numbers (real, imaginary);
+ * cells outside stay 0. `work` has room for placido_field_work(front, n) numbers. Returns the
+ * light: the sum over the cells of area times the square of the amplitude. */
 double placido_field_fill(float *field, size_t stride, int n, double spacing_mm,
                           const placido_front *front, const placido_wave *wave, double *work);
 size_t placido_field_work(const placido_front *front, int n);

@@ -1,5 +1,5 @@
-/* A wavefront made ready: continued a little beyond its edge, its steepest slope found, and its grid
- * judged. */
+/* A wavefront made ready: continued a little beyond its edge, its steepest slope found, and its
+ * grid judged. */
 #include "simulate/psf/diffraction.h"
 
 #include "base/memory.h"

@@ -13,7 +13,7 @@ static const double half_turn = 3.14159265358979323846;
 static double contrast(const placido_otf *otf, double frequency_cpd, double angle) {
   double real, imaginary;
   placido_otf_at(otf, frequency_cpd * cos(angle), frequency_cpd * sin(angle), &real, &imaginary);
-  return fmin(hypot(real, imaginary), 1); /* an image within one bucket has no width to divide out */
+  return fmin(hypot(real, imaginary), 1); /* within one bucket there is no width to divide out */
 }
 
 static void fill(placido_mtf *mtf, const placido_otf *otf) {

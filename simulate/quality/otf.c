@@ -1,7 +1,7 @@
-/* OTF: the transform of a PSF in twice its room, between whose samples cubic B-splines blend. What the
- * blending does to the light, a fourth power of sinc, is divided out of the PSF beforehand, so that
- * only the light's first echo is left: below 1e-4 within a fifth of the PSF's half side, 1 % at its
- * rim. (Fessler and Sutton, IEEE Trans. Signal Processing 51, 560 (2003): gridding.) */
+/* OTF: the transform of a PSF in twice its room, between whose samples cubic B-splines blend. What
+ * the blending does to the light, a fourth power of sinc, is divided out of the PSF beforehand, so
+ * that only the light's first echo is left: below 1e-4 within a fifth of the PSF's half side, 1 %
+ * at its rim. (Fessler and Sutton, IEEE Trans. Signal Processing 51, 560 (2003): gridding.) */
 #include "simulate/quality/otf.h"
 
 #include "base/memory.h"

@@ -1,5 +1,5 @@
-/* Strehl ratios: |mean of exp(i 2 pi W / wavelength)|² over the pupil (Born and Wolf, 9.1.3), and its
- * largest value over all tilts of W. */
+/* Strehl ratios: |mean of exp(i 2 pi W / wavelength)|² over the pupil (Born and Wolf, 9.1.3), and
+ * its largest value over all tilts of W. */
 #include <placido/quality.h>
 
 #include "base/memory.h"

@@ -97,10 +97,7 @@ static double square_over(const placido_index_value *value, double truth) {
 }
 
 /* The root mean square of 32 normal numbers scatters by 1/8, and so does a sigma of 32 variants:
- * one index's ratio by 0.18, and the largest of 14 by up to 0.6. The fit allows for errors that
- * whole edges have in common, which these points do not have: it may claim more than needed, never
- * less.
- */
+ * one index's ratio by 0.18, and the farthest of 14 by up to 0.45. */
 static void errors_by_noise_are_within_what_is_claimed(void **state) {
   (void)state;
   struct bench bench = bench_new("astigmatic");
@@ -123,9 +120,9 @@ static void errors_by_noise_are_within_what_is_claimed(void **state) {
     all += sums[i] / NAMES;
   }
   for (size_t i = 0; i < NAMES; i++) {
-    assert_true(sqrt(sums[i]) > 0.3 && sqrt(sums[i]) < 1.7);
+    assert_true(sqrt(sums[i]) > 0.6 && sqrt(sums[i]) < 1.45);
   }
-  assert_true(sqrt(all) > 0.6 && sqrt(all) < 1.25);
+  assert_true(sqrt(all) > 0.8 && sqrt(all) < 1.2);
   bench_free(&bench);
 }
 
@@ -265,7 +262,7 @@ static void placido_indices_have_true_error_bars(void **state) {
   }
   double ratio = sqrt(sum / (3 * DRAWS / 2));
   print_message("Placido indices: error/sigma %.3f\n", ratio);
-  assert_true(ratio > 0.6 && ratio < 1.4); /* 48 numbers, not independent */
+  assert_true(ratio > 0.7 && ratio < 1.35); /* 48 numbers, not independent */
   bench_free(&bench);
 }
 

@@ -109,8 +109,8 @@ static void brightest_bucket_has_its_share(void **state) {
   }
 }
 
-/* Half a minute is too coarse for points above a pupil of 2 mm: by so much a sample in the brightest
- * bucket's middle is beside that bucket's light. */
+/* Half a minute is too coarse for points above a pupil of 2 mm: by so much a sample in the
+ * brightest bucket's middle is beside that bucket's light. */
 static void points_are_not_buckets(void **state) {
   (void)state;
   static const struct { double pupil_mm, ratio, point; } cases[] = {

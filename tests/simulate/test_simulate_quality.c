@@ -150,8 +150,8 @@ static void moments_of_two_images(void **state) {
   placido_psf_free(&psf);
 }
 
-/* A cornea without aberrations in focus is the perfect eye, for rays and for waves; a lens of either
- * sign spoils it, and one that undoes the eye's own brings it back. */
+/* A cornea without aberrations in focus is the perfect eye, for rays and for waves; a lens of
+ * either sign spoils it, and one that undoes the eye's own brings it back. */
 static void focus_curve_peaks_in_focus(void **state) {
   (void)state;
   static const double wavelengths_nm[2] = {0, 555};

@@ -90,7 +90,8 @@ static void the_rest_is_told(void **state) {
   free(c);
 }
 
-/* Weight 2 is the point twice; weight 0, missing values and places outside the pupil are no points. */
+/* Weight 2 is the point twice; weight 0, missing values and places outside the pupil are no
+ * points. */
 static void weights_and_gaps(void **state) {
   (void)state;
   cloud *c = scatter(-1);
