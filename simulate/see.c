@@ -1,4 +1,5 @@
 /* A scene as the patient sees it: brought to the PSF's scale, spread by it, its bleed cut off. */
+#include "simulate/bleed.h"
 #include "simulate/convolve.h"
 #include "simulate/resample.h"
 
@@ -11,7 +12,7 @@
 /* Scales that differ by less than this are one: a monitor's distance is not known better. */
 static const double scale_tolerance = 1e-3;
 static const int threads_max = 256;
-static const int side_max_px = 16384; /* 4 GB of work for a colour picture */
+static const int side_max_px = 16384;
 
 static int check(const placido_scene *scene, const placido_psf *psf, placido_error *err) {
   const placido_image *image = &scene->image;
@@ -162,21 +163,22 @@ static int spread(placido_image *seen, const placido_image *image, const spreadi
   return status;
 }
 
-/* Cuts the bleed off: moves every row to its place and keeps the memory. */
-static void cut_bleed(placido_image *image, const frame_size *size) {
-  if (size->bleed == 0) {
-    return;
+/* Where there is a bleed, it reaches as far as the light is spread: what was drawn, and the rim of
+ * that outwards. */
+static int reach_out(source *from, frame_size *size, const placido_psf *psf, placido_error *err) {
+  const int more = placido_psf_reach(psf) - size->bleed;
+  placido_image wide;
+  if (size->bleed == 0 || more <= 0) {
+    return PLACIDO_OK;
   }
-  float *to = image->data;
-  for (int plane = 0; plane < image->planes; plane++) {
-    const float *from = placido_image_plane(image, plane) + size->bleed +
-                        (size_t)size->bleed * (size_t)image->width_px;
-    for (int y = 0; y < size->height; y++, to += size->width, from += image->width_px) {
-      memmove(to, from, (size_t)size->width * sizeof *to);
-    }
+  int status = placido_bleed_widen(&wide, from->image, more, err);
+  if (status == PLACIDO_OK) {
+    placido_image_free(&from->own);
+    from->own = wide;
+    from->image = &from->own;
+    size->bleed += more;
   }
-  image->width_px = size->width;
-  image->height_px = size->height;
+  return status;
 }
 
 int placido_scene_see_as(placido_image *seen, const placido_scene *scene, const placido_psf *psf,
@@ -197,6 +199,9 @@ int placido_scene_see_as(placido_image *seen, const placido_scene *scene, const 
   int threads = how->threads > 0 && how->threads <= threads_max ? how->threads : 1;
   status = bring_to_scale(&from, scene, &size, holes, threads, err);
   if (status == PLACIDO_OK) {
+    status = reach_out(&from, &size, psf, err);
+  }
+  if (status == PLACIDO_OK) {
     status = placido_image_new(seen, from.image->width_px, from.image->height_px,
                                from.image->planes, err);
   }
@@ -208,7 +213,7 @@ int placido_scene_see_as(placido_image *seen, const placido_scene *scene, const 
     placido_image_free(seen);
     return status;
   }
-  cut_bleed(seen, &size);
+  placido_bleed_cut(seen, size.bleed);
   return PLACIDO_OK;
 }
 

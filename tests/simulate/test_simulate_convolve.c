@@ -195,6 +195,26 @@ static void test_bleed_spreads_into_the_picture_and_is_cut(void **state) {
   placido_scene_free(&scene);
 }
 
+/* A PSF that has grown reaches farther than the bleed: what stands at its rim goes on. */
+static void test_bleed_goes_on_as_far_as_the_light(void **state) {
+  (void)state;
+  static double values[61 * 61];
+  placido_psf psf = noise_psf(values, 61);
+  placido_scene scene = {.arcmin_per_px = 0.5, .bleed_px = 15, .image = opaque_image(50, 40)};
+  placido_image seen;
+  for (int i = 0; i < 4 * 50 * 40; i++) {
+    scene.image.data[i] = 1;
+  }
+  assert_int_equal(placido_scene_see(&seen, &scene, &psf, 1, NULL), PLACIDO_OK);
+  assert_int_equal(seen.width_px, 20);
+  assert_int_equal(seen.height_px, 10);
+  for (int i = 0; i < 4 * 20 * 10; i++) {
+    assert_near(seen.data[i], 1, 1e-5); /* single precision over a few thousand samples */
+  }
+  placido_image_free(&seen);
+  placido_scene_free(&scene);
+}
+
 static void test_bleed_without_a_picture_is_refused(void **state) {
   (void)state;
   double values[1] = {1};
@@ -239,6 +259,7 @@ int main(void) {
     cmocka_unit_test(test_light_is_conserved_inside_a_dark_margin),
     cmocka_unit_test(test_colours_are_alike_and_alpha_stays),
     cmocka_unit_test(test_bleed_spreads_into_the_picture_and_is_cut),
+    cmocka_unit_test(test_bleed_goes_on_as_far_as_the_light),
     cmocka_unit_test(test_bleed_without_a_picture_is_refused),
     cmocka_unit_test(test_good_lengths_have_small_factors_and_are_even),
     cmocka_unit_test(test_fast_lengths_have_many_factors_of_two),
