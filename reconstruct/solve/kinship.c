@@ -7,17 +7,15 @@
 
 #include <math.h>
 
-#define KIN_PX 8.0       /* points of an edge farther apart share no pixels */
-#define STRANGER_PX 14.0 /* up to here they are compared with */
-#define STRANGERS 6      /* so many distances beyond */
-#define TELLING_PX 2.0   /* meridians closer than this show what they share */
-#define USUAL_PX 3.3     /* along edges of a blurred picture that was resampled once */
-#define MOST_PX 6.5      /* no blur that mires can be told in reaches farther */
-#define TURNS 72         /* arcs of an edge */
-#define FOLLOWED_KNOTS                                                                             \
-  5.0            /* radius at which two arcs are as long as the least wave of a spline             \
-                  */
-#define ACROSS 2 /* neighbours on either side that a mire's edges may share pixels with */
+#define KIN_PX 6.0         /* points of an edge farther apart share no pixels */
+#define STRANGER_PX 18.0   /* up to here they are compared with */
+#define STRANGERS 12       /* so many distances beyond */
+#define TELLING_PX 2.0     /* meridians closer than this show what they share */
+#define USUAL_PX 3.3       /* along edges of a blurred picture that was resampled once */
+#define MOST_PX 6.5        /* no blur that mires can be told in reaches farther */
+#define TURNS 72           /* arcs of an edge */
+#define FOLLOWED_KNOTS 5.0 /* radius where two arcs are as long as a spline's least wave */
+#define ACROSS 2           /* neighbours on either side that a mire's edges may share pixels with */
 #define ACROSS_LEAST 0.25
 #define ACROSS_MOST 4.0
 #define CLIP 4.0 /* of a difference, in usual ones; of an arc's, in standard deviations */

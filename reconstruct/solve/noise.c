@@ -27,8 +27,8 @@ static bool neighbours(const placido_sample *samples, size_t i, size_t j, int la
   return lrint(step) == lag;
 }
 
-double placido_noise_rough(const placido_sample *samples, size_t count,
-                           const placido_mires *mires, int stride, double *work) {
+double placido_noise_rough(const placido_sample *samples, size_t count, const placido_mires *mires,
+                           int stride, double *work) {
   size_t n = 0;
   for (size_t i = 0; i + 1 < count; i++) {
     if (neighbours(samples, i, i + 1, stride, mires)) {

@@ -7,8 +7,8 @@
 /* Standard deviation of the part of the residuals that changes over `stride` meridians, the
  * distance of neighbouring samples: from their differences (von Neumann 1941), robust. A spread
  * well above it means that the surface cannot follow the mires. `work` holds `count` numbers. */
-double placido_noise_rough(const placido_sample *samples, size_t count,
-                           const placido_mires *mires, int stride, double *work);
+double placido_noise_rough(const placido_sample *samples, size_t count, const placido_mires *mires,
+                           int stride, double *work);
 
 /* Factor by which the variance of a smooth surface grows because neighbouring residuals of an
  * edge resemble each other: 1 + 2 Σ autocorrelation, at least 1. `residual_px` are the samples'

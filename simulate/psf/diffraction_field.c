@@ -58,9 +58,10 @@ static void turn(float *field, const float *turns, const float *height, size_t c
                     s * (8.33333333e-3f +
                          s * (-1.98412698e-4f + s * (2.75573192e-6f - 2.50521084e-8f * s)))));
     float cosine =
-      1 + s * (-0.5f + s * (4.16666667e-2f +
-                            s * (-1.38888889e-3f +
-                                 s * (2.48015873e-5f + s * (-2.75573192e-7f + 2.0876757e-9f * s)))));
+      1 + s * (-0.5f +
+               s * (4.16666667e-2f +
+                    s * (-1.38888889e-3f +
+                         s * (2.48015873e-5f + s * (-2.75573192e-7f + 2.0876757e-9f * s)))));
     field[2 * i] = height[i] * (1 - 2 * sine * sine);
     field[2 * i + 1] = height[i] * (2 * sine * cosine);
   }

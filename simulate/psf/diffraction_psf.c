@@ -1,10 +1,6 @@
 /* The PSF by diffraction: exact paths to the point of fixation on the retina, then Fraunhofer's
- * integral.
- *
- * A retinal point X beside that point F is reached by paths that differ by n x X / L from those to
- * F, x the place in the pupil and L the retina's depth: X is seen by the pupil as the angle n X / L
- * in air. (x / L stands for the ray's direction sine, which it exceeds or falls short of by 3 % at
- * the rim of a pupil of 8 mm.) */
+ * integral. A retinal point X beside the focus at the depth L is seen by the pupil, whose samples
+ * stand for L times the sine of a ray's direction, as the angle n X / L in air. */
 #include "simulate/psf/diffraction_psf.h"
 
 #include "base/memory.h"

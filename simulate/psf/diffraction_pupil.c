@@ -1,16 +1,22 @@
-/* Pupils made of Zernike terms or of a surface's exact paths. */
+/* Pupils made of Zernike terms or of a surface's exact paths.
+ *
+ * A point X beside the focus F is reached from the entry P by a path that differs by -n X s from that
+ * to F, s the sine of the direction from F to P (its two components across the axis). So the field
+ * belongs on a grid of s, not of P: for wide pupils P = s |F - P| is another thing (the condition of
+ * Abbe; Goodman, Introduction to Fourier Optics, 6.2). Samples stand for s times the focus' depth. */
 #include <placido/diffraction.h>
 
 #include "base/memory.h"
-#include "reconstruct/surface/sheet.h"
 #include "simulate/eye.h"
 #include "simulate/rays/bundle.h"
 
 #include <math.h>
 
 enum { TERMS_MAX = 136, SAMPLES_LEAST = 96, SAMPLES_MOST = 1024, MARGIN = 3 };
+enum { STEPS_MAX = 8, RIM = 64 };
 
 static const double surface_spacing_mm = 0.025; /* half a knot of the finest fit */
+static const double settled_mm = 1e-5; /* of a way: a millionth of a millimetre at the entry */
 
 static void take(placido_pupil *pupil, double *opd_um, int n, double pupil_mm,
                  double spacing_mm) {
@@ -63,96 +69,162 @@ int placido_pupil_of_terms(placido_pupil *pupil, double pupil_mm, const double *
   return PLACIDO_OK;
 }
 
-/* What the lines of a surface's pupil share. */
-typedef struct lines {
-  const placido_sheet *sheet;
+/* A surface's pupil while it is filled. */
+typedef struct sight {
+  const placido_surface *surface;
   const placido_eye *eye;
-  const double *focus_mm, *x_mm;
-  double axis_sag_mm, chief_mm, spacing_mm;
+  const double *focus_mm;
+  placido_apex apex;
+  double chief_mm;      /* path of the ray through the pupil's centre */
+  double across, along; /* sines of its direction to the focus */
+  double spacing_mm;
   int n;
-} lines;
+  double *x_mm, *y_mm;  /* where the ray of each sample enters */
+} sight;
 
-/* Path differences of one line; NaN where the surface is not defined. */
-static void fill_line(double *opd_um, double *work, const lines *l, int row) {
-  size_t n = (size_t)l->n;
-  double y_mm = l->eye->pupil_y_mm + (row - 0.5 * (l->n - 1)) * l->spacing_mm;
-  double *sag_mm = work, *sx = work + n, *sy = work + 2 * n;
-  placido_sheet_line(l->sheet, work + 3 * n, y_mm, 0, n, sag_mm, sx, sy);
-  for (size_t i = 0; i < n; i++) {
-    opd_um[i] = 1e3 * (l->chief_mm - placido_path_mm(l->eye, l->x_mm[i], y_mm,
-                                                     sag_mm[i] - l->axis_sag_mm, l->focus_mm));
+/* A ray that enters at (x, y): its depth there and its way from there to the focus; false where the
+ * surface is not defined. */
+static bool enter(const sight *s, double x_mm, double y_mm, double *depth_mm, double *way_mm) {
+  placido_jet jet;
+  if (!placido_surface_at(s->surface, x_mm, y_mm, &jet)) {
+    return false;
+  }
+  *depth_mm = jet.sag - s->apex.axis_sag_mm;
+  double dx = x_mm - s->focus_mm[0], dy = y_mm - s->focus_mm[1];
+  double dz = *depth_mm - s->focus_mm[2];
+  *way_mm = sqrt(dx * dx + dy * dy + dz * dz);
+  return true;
+}
+
+/* The way behind a sphere of the apical radius: where the search of an entry begins. */
+static double first_way_mm(const sight *s, double x_mm, double y_mm) {
+  double radius_mm = s->apex.radius_mm, square = x_mm * x_mm + y_mm * y_mm, depth_mm = 0;
+  if (square < 0.9 * radius_mm * radius_mm && isfinite(radius_mm)) {
+    depth_mm = square / (radius_mm + sqrt(radius_mm * radius_mm - square));
+  }
+  return hypot(sqrt(square), s->focus_mm[2] - depth_mm);
+}
+
+/* The path difference of the ray whose direction to the focus has these sines: it enters where that
+ * direction, followed back, meets the surface. Each step lessens the error twentyfold. */
+static double trace(const sight *s, double across, double along, double *x_mm, double *y_mm) {
+  double depth_mm = 0, way_mm = first_way_mm(s, across * s->focus_mm[2], along * s->focus_mm[2]);
+  double change_mm = INFINITY;
+  for (int step = 0; step < STEPS_MAX && change_mm > settled_mm; step++) {
+    double before_mm = way_mm;
+    *x_mm = s->focus_mm[0] + across * way_mm;
+    *y_mm = s->focus_mm[1] + along * way_mm;
+    if (!enter(s, *x_mm, *y_mm, &depth_mm, &way_mm)) {
+      return NAN;
+    }
+    change_mm = fabs(way_mm - before_mm);
+  }
+  return 1e3 * (s->chief_mm - placido_path_mm(s->eye, *x_mm, *y_mm, depth_mm, s->focus_mm));
+}
+
+static void trace_line(double *opd_um, const sight *s, int row) {
+  double step = s->spacing_mm / s->focus_mm[2], middle = 0.5 * (s->n - 1);
+  for (int column = 0; column < s->n; column++) {
+    size_t at = (size_t)row * (size_t)s->n + (size_t)column;
+    opd_um[column] = trace(s, s->across + (column - middle) * step, s->along + (row - middle) * step,
+                       &s->x_mm[at], &s->y_mm[at]);
+    if (isnan(opd_um[column])) {
+      s->x_mm[at] = s->y_mm[at] = NAN;
+    }
   }
 }
 
-static int fill_lines(double *opd_um, const lines *l, int threads, placido_error *err) {
-  size_t n = (size_t)l->n, size = 3 * n + placido_sheet_work(l->sheet);
-  double *work = placido_memory_new((size_t)threads, size * sizeof *work, err);
-  if (work == NULL) {
-    return PLACIDO_MEMORY;
-  }
-#pragma omp parallel for num_threads(threads) if (threads > 1)
-  for (int thread = 0; thread < threads; thread++) {
-    for (int row = thread; row < l->n; row += threads) {
-      fill_line(opd_um + (size_t)row * n, work + (size_t)thread * size, l, row);
+/* The light that a sample stands for is the area where its rays enter: the square of the amplitude. */
+static void find_amplitude(double *amplitude, const sight *s) {
+  for (int row = 0; row < s->n; row++) {
+    for (int column = 0; column < s->n; column++) {
+      size_t n = (size_t)s->n, at = (size_t)row * n + (size_t)column;
+      amplitude[at] = NAN;
+      if (row > 0 && column > 0 && row + 1 < s->n && column + 1 < s->n) {
+        double xx = s->x_mm[at + 1] - s->x_mm[at - 1], xy = s->x_mm[at + n] - s->x_mm[at - n];
+        double yx = s->y_mm[at + 1] - s->y_mm[at - 1], yy = s->y_mm[at + n] - s->y_mm[at - n];
+        amplitude[at] = sqrt(fmax(xx * yy - xy * yx, 0)) / (2 * s->spacing_mm);
+      }
     }
   }
-  placido_memory_free(work);
+}
+
+/* The mean radius of the pupil's rim in directions, times the focus' depth. */
+static double rim_mm(const sight *s) {
+  double sum = 0, count = 0;
+  for (int i = 0; i < RIM; i++) {
+    double angle = 2 * acos(-1) * i / RIM, depth_mm, way_mm;
+    double x = s->eye->pupil_x_mm + s->eye->pupil_mm / 2 * cos(angle);
+    double y = s->eye->pupil_y_mm + s->eye->pupil_mm / 2 * sin(angle);
+    if (enter(s, x, y, &depth_mm, &way_mm)) {
+      sum += s->focus_mm[2] * hypot((x - s->focus_mm[0]) / way_mm - s->across,
+                                    (y - s->focus_mm[1]) / way_mm - s->along);
+      count++;
+    }
+  }
+  return count > 0 ? sum / count : s->eye->pupil_mm / 2;
+}
+
+static int look(sight *s, const placido_surface *surface, const placido_eye *eye,
+                const double focus_mm[3], placido_error *err) {
+  double depth_mm = 0, way_mm = 1;
+  *s = (sight){.surface = surface, .eye = eye, .focus_mm = focus_mm};
+  if (!(focus_mm[2] >= 1 && focus_mm[2] <= 1000)) {
+    return placido_error_set(err, PLACIDO_INPUT, "a focus %g mm behind the cornea, expected 1 to "
+                             "1000", focus_mm[2]);
+  }
+  int status = placido_apex_find(&s->apex, surface, eye, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  enter(s, eye->pupil_x_mm, eye->pupil_y_mm, &depth_mm, &way_mm); /* defined: the apex was found */
+  s->chief_mm = placido_path_mm(eye, eye->pupil_x_mm, eye->pupil_y_mm, depth_mm, focus_mm);
+  s->across = (eye->pupil_x_mm - focus_mm[0]) / way_mm;
+  s->along = (eye->pupil_y_mm - focus_mm[1]) / way_mm;
   return PLACIDO_OK;
 }
 
-/* Path of the chief ray, through the pupil's centre, where the surface is known to be defined. */
-static double chief_path_mm(const placido_surface *surface, const placido_eye *eye,
-                            double axis_sag_mm, const double focus_mm[3]) {
-  placido_jet jet;
-  placido_surface_at(surface, eye->pupil_x_mm, eye->pupil_y_mm, &jet);
-  return placido_path_mm(eye, eye->pupil_x_mm, eye->pupil_y_mm, jet.sag - axis_sag_mm, focus_mm);
+static int fill_pupil(placido_pupil *pupil, sight *s, int threads, placido_error *err) {
+  double pupil_mm = 2 * rim_mm(s);
+  double across = ceil(fmin(fmax(pupil_mm / surface_spacing_mm, SAMPLES_LEAST), SAMPLES_MOST));
+  s->spacing_mm = pupil_mm / across;
+  s->n = (int)across + 2 * MARGIN;
+  size_t area = (size_t)s->n * (size_t)s->n;
+  double *opd_um = placido_memory_new(area, sizeof *opd_um, err);
+  double *amplitude = placido_memory_new(area, sizeof *amplitude, err);
+  s->x_mm = placido_memory_new(area, 2 * sizeof *s->x_mm, err);
+  if (opd_um == NULL || amplitude == NULL || s->x_mm == NULL) {
+    placido_memory_free(opd_um);
+    placido_memory_free(amplitude);
+    placido_memory_free(s->x_mm);
+    return PLACIDO_MEMORY;
+  }
+  s->y_mm = s->x_mm + area;
+#pragma omp parallel for num_threads(threads) schedule(static, 8) if (threads > 1)
+  for (int row = 0; row < s->n; row++) {
+    trace_line(opd_um + (size_t)row * (size_t)s->n, s, row);
+  }
+  find_amplitude(amplitude, s);
+  placido_memory_free(s->x_mm);
+  take(pupil, opd_um, s->n, pupil_mm, s->spacing_mm);
+  pupil->amplitude = amplitude;
+  return PLACIDO_OK;
 }
 
 int placido_pupil_of_surface(placido_pupil *pupil, const placido_surface *surface,
                              const placido_eye *eye, const double focus_mm[3], int threads,
                              placido_error *err) {
-  *pupil = (placido_pupil){0};
   placido_eye settled;
-  placido_apex apex;
-  placido_sheet *sheet = NULL;
-  double *x_mm = NULL, *opd_um = NULL;
+  sight s;
+  *pupil = (placido_pupil){0};
   int status = placido_eye_settle(&settled, eye, err);
   if (status == PLACIDO_OK && (threads < 1 || threads > 256)) {
     status = placido_error_set(err, PLACIDO_INPUT, "%d threads, expected 1 to 256", threads);
   }
   if (status == PLACIDO_OK) {
-    status = placido_apex_find(&apex, surface, &settled, err);
+    status = look(&s, surface, &settled, focus_mm, err);
   }
-  if (status != PLACIDO_OK) {
-    return status;
-  }
-  double across = ceil(fmin(fmax(settled.pupil_mm / surface_spacing_mm, SAMPLES_LEAST),
-                            SAMPLES_MOST));
-  lines l = {.eye = &settled, .focus_mm = focus_mm, .axis_sag_mm = apex.axis_sag_mm,
-             .spacing_mm = settled.pupil_mm / across, .n = (int)across + 2 * MARGIN};
-  l.chief_mm = chief_path_mm(surface, &settled, apex.axis_sag_mm, focus_mm);
-  x_mm = placido_memory_new((size_t)l.n, sizeof *x_mm, err);
-  opd_um = placido_memory_new((size_t)l.n, (size_t)l.n * sizeof *opd_um, err);
-  status = x_mm != NULL && opd_um != NULL ? PLACIDO_OK : PLACIDO_MEMORY;
-  for (int i = 0; i < l.n && status == PLACIDO_OK; i++) {
-    x_mm[i] = settled.pupil_x_mm + (i - 0.5 * (l.n - 1)) * l.spacing_mm;
-  }
-  if (status == PLACIDO_OK) {
-    status = placido_sheet_new(&sheet, surface, x_mm, (size_t)l.n, err);
-  }
-  if (status == PLACIDO_OK) {
-    l.sheet = sheet;
-    l.x_mm = x_mm;
-    status = fill_lines(opd_um, &l, threads, err);
-  }
-  placido_sheet_free(sheet);
-  placido_memory_free(x_mm);
-  if (status != PLACIDO_OK) {
-    placido_memory_free(opd_um);
-    return status;
-  }
-  take(pupil, opd_um, l.n, settled.pupil_mm, l.spacing_mm);
-  return PLACIDO_OK;
+  return status == PLACIDO_OK ? fill_pupil(pupil, &s, threads, err) : status;
 }
 
 void placido_pupil_free(placido_pupil *pupil) {

@@ -6,7 +6,7 @@
 
 static const double quarter_turn = 1.57079632679489661923;
 
-/* Area within the disc of the rectangle from the centre to (x, y), negative where one of them is. */
+/* Area within the disc of the rectangle from the centre to (x, y), negative where x or y is. */
 static double corner_area(double radius, double x, double y) {
   double a = fmin(fabs(x), radius), b = fmin(fabs(y), radius), square = radius * radius;
   double sign = (x < 0) != (y < 0) ? -1 : 1;

@@ -48,29 +48,44 @@ static int judge(judgement *j, const placido_psf *psf, placido_error *err) {
   return PLACIDO_OK;
 }
 
+/* Light of the eye's own pupil without aberrations. */
+static int spread_perfectly(placido_psf *perfect, const placido_surface *surface,
+                            const placido_eye *eye, placido_error *err) {
+  const double focus_mm[3] = {1e-3 * perfect->centre_x_um, 1e-3 * perfect->centre_y_um,
+                              perfect->retina_mm};
+  placido_pupil pupil;
+  int status = placido_pupil_of_surface(&pupil, surface, eye, focus_mm, 1, err);
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  double *opd_um = (double *)pupil.opd_um; /* the pupil is ours */
+  for (size_t i = 0; i < (size_t)pupil.n * (size_t)pupil.n; i++) {
+    opd_um[i] *= 0; /* where no light comes it stays unknown */
+  }
+  placido_wave wave = {.wavelength_nm = perfect->wavelength_nm, .weight = 1};
+  double bucket_rad = 1e-3 * perfect->bucket_um * perfect->index / perfect->retina_mm;
+  placido_window window = {.buckets = perfect->n,
+                           .bucket_arcmin = bucket_rad / PLACIDO_ARCMIN_RAD};
+  status = placido_diffraction(perfect->values, NULL, &pupil, &wave, 1, &window, err);
+  placido_pupil_free(&pupil);
+  return status;
+}
+
 /* The image that no aberration disturbs, in the buckets of `psf`. */
-static int judge_perfect(judgement *j, const placido_psf *psf, placido_error *err) {
+static int judge_perfect(judgement *j, const placido_psf *psf, const placido_surface *surface,
+                         const placido_eye *eye, placido_error *err) {
   placido_psf perfect = *psf;
   size_t n = (size_t)psf->n;
-  double flat[1] = {0};
-  placido_pupil pupil = {0};
   perfect.values = placido_memory_new(n, n * sizeof *perfect.values, err);
   int status = perfect.values != NULL ? PLACIDO_OK : PLACIDO_MEMORY;
   if (status == PLACIDO_OK && psf->wavelength_nm > 0) {
-    placido_wave wave = {.wavelength_nm = psf->wavelength_nm, .weight = 1};
-    double bucket_rad = 1e-3 * psf->bucket_um * psf->index / psf->retina_mm;
-    placido_window window = {.buckets = psf->n, .bucket_arcmin = bucket_rad / PLACIDO_ARCMIN_RAD};
-    status = placido_pupil_of_terms(&pupil, psf->pupil_mm, flat, 1, 0, err);
-    if (status == PLACIDO_OK) {
-      status = placido_diffraction(perfect.values, NULL, &pupil, &wave, 1, &window, err);
-    }
+    status = spread_perfectly(&perfect, surface, eye, err);
   } else if (status == PLACIDO_OK) {
     perfect.values[n / 2 * n + n / 2] = 1;
   }
   if (status == PLACIDO_OK) {
     status = judge(j, &perfect, err);
   }
-  placido_pupil_free(&pupil);
   placido_memory_free(perfect.values);
   return status;
 }
@@ -84,7 +99,7 @@ static int judge_lens(placido_focus_curve *curve, int k, judgement *perfect,
   wearing.correction.m_D += curve->lens_D[k];
   int status = placido_psf_new(&psf, NULL, surface, &wearing, optics, NULL, err);
   if (status == PLACIDO_OK && perfect->peak == 0) {
-    status = judge_perfect(perfect, &psf, err);
+    status = judge_perfect(perfect, &psf, surface, &wearing, err);
   }
   if (status == PLACIDO_OK) {
     status = judge(&found, &psf, err);

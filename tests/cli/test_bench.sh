@@ -46,7 +46,7 @@ compared 'spread of a million rays' 'tight loop: a million rays, conicoid'
 compared 'diffraction of a 4 mm pupil, 555 nm' 'transforms of 576×576'
 compared 'the same, 31 wavelengths' 'transforms of 576×576'
 compared 'fit of them to 100,000 values' '36 Zernike terms at 100,000 points'
-compared 'convolution of 512×512' 'one transform of that size'
+compared 'convolution of 500×250×3' 'transforms of 500×250×3'
 
 succeed bench --quick --json
 json out.txt - load processors benchmarks command exit_code

@@ -151,7 +151,7 @@ static void refraction_of_terms(void **state) {
   assert_near(placido_terms_refraction(terms_um, 15, 4, false).m_D, whole.m_D, 1e-12);
 }
 
-/* Maréchal's estimate holds for a little spherical aberration: Q off the perfect one by 0.2, 4 mm. */
+/* Maréchal's estimate holds for a little spherical aberration: Q is 0.2 off, 4 mm. */
 static void strehl_ratio_of_a_wavefront(void **state) {
   (void)state;
   placido_surface *surface = conic(7.8, -1 / (1.3375 * 1.3375) + 0.2);
