@@ -3,7 +3,7 @@
 #include "acquire/cli/bench_sight.h"
 #include "acquire/cli/live_topography.h"
 #include "base/memory.h"
-#include "reconstruct/solve/conic.h"
+#include "reconstruct/solve/engine/conic.h"
 
 #include <math.h>
 #include <placido/reconstruct.h>

@@ -3,7 +3,7 @@
 #define PLACIDO_MAPS_ERRORS_H
 
 #include "reconstruct/maps/zone.h"
-#include "reconstruct/solve/jet_sigma.h"
+#include "reconstruct/solve/errors/jet_sigma.h"
 
 #include <placido/map.h>
 

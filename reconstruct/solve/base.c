@@ -1,6 +1,6 @@
 /* The first stage of a fit: the conicoid, from some of the points. */
 #include "base/memory.h"
-#include "reconstruct/solve/conic.h"
+#include "reconstruct/solve/engine/conic.h"
 #include "reconstruct/solve/solution.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef PLACIDO_SOLVE_DISTANCE_H
 #define PLACIDO_SOLVE_DISTANCE_H
 
-#include "reconstruct/solve/geometry.h"
+#include "reconstruct/solve/errors/geometry.h"
 
 #include <placido/notes.h>
 

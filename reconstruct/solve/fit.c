@@ -3,12 +3,12 @@
 #include <placido/reconstruct.h>
 
 #include "base/memory.h"
-#include "reconstruct/solve/conic.h"
-#include "reconstruct/solve/explain.h"
-#include "reconstruct/solve/fold.h"
-#include "reconstruct/solve/numbering.h"
-#include "reconstruct/solve/power.h"
-#include "reconstruct/solve/result.h"
+#include "reconstruct/solve/doubt/explain.h"
+#include "reconstruct/solve/doubt/fold.h"
+#include "reconstruct/solve/doubt/numbering.h"
+#include "reconstruct/solve/doubt/power.h"
+#include "reconstruct/solve/engine/conic.h"
+#include "reconstruct/solve/errors/result.h"
 #include "reconstruct/solve/solution.h"
 
 #include <math.h>

@@ -5,9 +5,9 @@
 
 #include "base/memory.h"
 #include "reconstruct/maps/equations.h"
-#include "reconstruct/solve/mask.h"
-#include "reconstruct/solve/normal.h"
-#include "reconstruct/solve/result.h"
+#include "reconstruct/solve/doubt/mask.h"
+#include "reconstruct/solve/engine/normal.h"
+#include "reconstruct/solve/errors/result.h"
 
 #include <math.h>
 

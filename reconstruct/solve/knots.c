@@ -1,8 +1,8 @@
 /* The second stage of a fit: the spline, its knots as fine as the residuals ask for. How fine that
  * is is explored on every third meridian, coarse to fine; so are other numberings of all mires. */
 #include "base/memory.h"
-#include "reconstruct/solve/noise.h"
-#include "reconstruct/solve/numbering.h"
+#include "reconstruct/solve/doubt/numbering.h"
+#include "reconstruct/solve/errors/noise.h"
 #include "reconstruct/solve/solution.h"
 #include "reconstruct/solve/warm.h"
 

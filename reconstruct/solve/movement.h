@@ -2,7 +2,7 @@
 #ifndef PLACIDO_SOLVE_MOVEMENT_H
 #define PLACIDO_SOLVE_MOVEMENT_H
 
-#include "reconstruct/solve/shape.h"
+#include "reconstruct/solve/engine/shape.h"
 
 /* Where an eye is, as a rigid body: first turned about the pivot, then shifted. */
 typedef struct placido_pose {

@@ -1,6 +1,6 @@
 /* The third stage of a fit: the noise of the points, outliers cut, folds refused. */
-#include "reconstruct/solve/noise.h"
-#include "reconstruct/solve/outliers.h"
+#include "reconstruct/solve/doubt/outliers.h"
+#include "reconstruct/solve/errors/noise.h"
 #include "reconstruct/solve/solution.h"
 
 #define CUT_MOST 0.3 /* share of the points: more means that the model is wrong, not the points */

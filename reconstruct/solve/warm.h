@@ -3,8 +3,8 @@
 #ifndef PLACIDO_SOLVE_WARM_H
 #define PLACIDO_SOLVE_WARM_H
 
-#include "reconstruct/solve/refine.h"
-#include "reconstruct/solve/result.h"
+#include "reconstruct/solve/engine/refine.h"
+#include "reconstruct/solve/errors/result.h"
 
 /* How to refine from there. */
 typedef struct placido_warm_options {

@@ -1,7 +1,7 @@
 /* Error bars that know of the instrument: against differences, against fits with a moved
  * instrument, and against the errors of many instruments drawn from the covariance. */
 #include "base/memory.h"
-#include "reconstruct/solve/geometry.h"
+#include "reconstruct/solve/errors/geometry.h"
 #include "tests/support/near.h"
 #include "tests/support/truth.h"
 

@@ -1,5 +1,5 @@
 /* How far errors are alike along an edge is found, whatever else the residuals hold. */
-#include "reconstruct/solve/kinship.h"
+#include "reconstruct/solve/errors/kinship.h"
 
 #include "base/random.h"
 #include "tests/support/near.h"

@@ -1,8 +1,8 @@
 /* The spline, the normal equations and the order statistics on their own. */
 #include "base/memory.h"
 #include "reconstruct/median.h"
-#include "reconstruct/solve/sightlines.h"
-#include "reconstruct/solve/normal.h"
+#include "reconstruct/solve/engine/normal.h"
+#include "reconstruct/solve/engine/sightlines.h"
 #include "tests/support/near.h"
 
 #include <stdlib.h>
