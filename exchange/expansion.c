@@ -1,8 +1,8 @@
 /* Zernike terms of the sag by least squares on a square grid of points, each of which stands for
- * the same area. Terms: ANSI Z80.28; normal equations by Cholesky's factorisation (Golub & Van
- * Loan, Matrix Computations, 4th ed., algorithm 4.2.1). */
+ * the same area. Terms: ANSI Z80.28. */
 #include <placido/expansion.h>
 
+#include "base/dense.h"
 #include "base/memory.h"
 
 #include <placido/zernike.h>
@@ -87,23 +87,6 @@ static double product(const double *a, const double *b, size_t count) {
   return sum;
 }
 
-/* False where the points do not tell the terms apart. */
-static bool factorise(double *l, int n) {
-  for (int i = 0; i < n; i++) {
-    for (int k = 0; k <= i; k++) {
-      double before = l[i * n + k], sum = before - product(l + i * n, l + k * n, (size_t)k);
-      if (k < i) {
-        l[i * n + k] = sum / l[k * n + k];
-      } else if (sum > SINGULAR * before) {
-        l[i * n + i] = sqrt(sum);
-      } else {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
 static int evaluate_terms(struct plan *plan, int order, double radius_mm, placido_error *err) {
   size_t n = (size_t)plan->count;
   plan->terms = placido_memory_new(n * plan->points, sizeof *plan->terms, err);
@@ -126,7 +109,7 @@ static int evaluate_terms(struct plan *plan, int order, double radius_mm, placid
                   plan->points);
     }
   }
-  if (!factorise(plan->factor, plan->count)) {
+  if (!placido_dense_factor(plan->factor, plan->count, plan->count, SINGULAR)) {
     return placido_error_set(err, PLACIDO_QUALITY,
                              "the supported part of the disc does not tell the %d terms apart",
                              plan->count);
@@ -143,16 +126,9 @@ static void expand(double *coefficients, struct plan *plan, const placido_surfac
     plan->sag_mm[i] = jet.sag;
   }
   for (int i = 0; i < n; i++) {
-    double right = product(plan->terms + (size_t)i * plan->points, plan->sag_mm, plan->points);
-    coefficients[i] = (right - product(plan->factor + i * n, coefficients, (size_t)i)) /
-                      plan->factor[i * n + i];
+    coefficients[i] = product(plan->terms + (size_t)i * plan->points, plan->sag_mm, plan->points);
   }
-  for (int i = n - 1; i >= 0; i--) {
-    for (int k = i + 1; k < n; k++) {
-      coefficients[i] -= plan->factor[k * n + i] * coefficients[k];
-    }
-    coefficients[i] /= plan->factor[i * n + i];
-  }
+  placido_dense_solve(plan->factor, n, n, coefficients);
 }
 
 /* What the terms leave of the sag that was expanded last. */

@@ -136,6 +136,19 @@ int placido_canvas_picture(cairo_surface_t **picture, int width_px, int height_p
   return PLACIDO_OK;
 }
 
+void placido_canvas_paint(const placido_canvas *canvas, cairo_surface_t *picture, double left,
+                          double top, double side, int samples) {
+  cairo_t *cr = canvas->cr;
+  cairo_surface_mark_dirty(picture);
+  cairo_save(cr);
+  cairo_translate(cr, left, top);
+  cairo_scale(cr, side / samples, side / samples);
+  cairo_set_source_surface(cr, picture, 0, 0);
+  cairo_pattern_set_filter(cairo_get_source(cr), CAIRO_FILTER_NEAREST);
+  cairo_paint(cr);
+  cairo_restore(cr);
+}
+
 void placido_canvas_ink(const placido_canvas *canvas, placido_rgb colour) {
   cairo_set_source_rgb(canvas->cr, colour.r, colour.g, colour.b);
 }

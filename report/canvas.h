@@ -33,6 +33,10 @@ int placido_canvas_save(const placido_canvas *canvas, const char *path, placido_
 int placido_canvas_picture(cairo_surface_t **picture, int width_px, int height_px,
                            placido_error *err);
 
+/* Paints such a picture, of `samples` pixels a side, over a square of the canvas, unsmoothed. */
+void placido_canvas_paint(const placido_canvas *canvas, cairo_surface_t *picture, double left,
+                          double top, double side, int samples);
+
 void placido_canvas_ink(const placido_canvas *canvas, placido_rgb colour);
 void placido_canvas_line(const placido_canvas *canvas, double x0, double y0, double x1, double y1);
 

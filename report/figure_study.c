@@ -22,20 +22,6 @@ static uint32_t to_pixel(placido_rgb c) {
          (uint32_t)lround(255 * c.b);
 }
 
-/* Paints a picture of one pixel a sample over a square of the canvas. */
-static void paint(const placido_canvas *canvas, cairo_surface_t *picture, double left, double top,
-                  double side, int samples) {
-  cairo_t *cr = canvas->cr;
-  cairo_surface_mark_dirty(picture);
-  cairo_save(cr);
-  cairo_translate(cr, left, top);
-  cairo_scale(cr, side / samples, side / samples);
-  cairo_set_source_surface(cr, picture, 0, 0);
-  cairo_pattern_set_filter(cairo_get_source(cr), CAIRO_FILTER_NEAREST);
-  cairo_paint(cr);
-  cairo_restore(cr);
-}
-
 static uint32_t *row_of(cairo_surface_t *picture, int row) {
   unsigned char *data = cairo_image_surface_get_data(picture);
   return (uint32_t *)(void *)(data +
@@ -58,7 +44,7 @@ static int draw_disc(const placido_canvas *canvas, const placido_map_field *fiel
                    : 0;
     }
   }
-  paint(canvas, picture, DISC_LEFT, DISC_TOP, DISC, field->size);
+  placido_canvas_paint(canvas, picture, DISC_LEFT, DISC_TOP, DISC, field->size);
   cairo_surface_destroy(picture);
   return PLACIDO_OK;
 }
@@ -140,7 +126,7 @@ static int draw_plan(const placido_psf_view *view, const placido_canvas *canvas,
       row[i] = to_pixel(placido_psf_view_colour(view, value));
     }
   }
-  paint(canvas, picture, left, PLAN_TOP, PLAN, side);
+  placido_canvas_paint(canvas, picture, left, PLAN_TOP, PLAN, side);
   cairo_surface_destroy(picture);
   cairo_set_source_rgb(canvas->cr, 0, 0, 0);
   cairo_set_line_width(canvas->cr, 1.5);

@@ -30,15 +30,7 @@ static int draw_buckets(const placido_psf_view *view, const placido_canvas *canv
       row[i] = to_pixel(placido_psf_view_colour(view, value));
     }
   }
-  cairo_surface_mark_dirty(picture);
-  cairo_t *cr = canvas->cr;
-  cairo_save(cr);
-  cairo_translate(cr, left, top);
-  cairo_scale(cr, side / count, side / count);
-  cairo_set_source_surface(cr, picture, 0, 0);
-  cairo_pattern_set_filter(cairo_get_source(cr), CAIRO_FILTER_NEAREST);
-  cairo_paint(cr);
-  cairo_restore(cr);
+  placido_canvas_paint(canvas, picture, left, top, side, count);
   cairo_surface_destroy(picture);
   return PLACIDO_OK;
 }

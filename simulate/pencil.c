@@ -7,6 +7,7 @@
  * Sums are made in LANES interleaved parts, so that they are the same for every vector width. */
 #include "simulate/pencil.h"
 
+#include "base/dense.h"
 #include "base/dispatch.h"
 #include "base/memory.h"
 
@@ -235,46 +236,21 @@ static sums sums_of(const placido_pencil *pencil) {
                 .spread = t[18]};
 }
 
-/* Solves square × x = x in place by Cholesky's method, where `open`; false where it is singular. */
+/* Solves square × x = x in place, where `open`; false where it is singular. */
 static bool solve(double square[UNKNOWNS][UNKNOWNS], double x[UNKNOWNS],
                   const bool open[UNKNOWNS]) {
   for (int j = 0; j < UNKNOWNS; j++) {
     if (!open[j]) {
-      memset(square[j], 0, sizeof square[j]);
-      for (int i = j + 1; i < UNKNOWNS; i++) {
-        square[i][j] = 0;
+      for (int i = 0; i < UNKNOWNS; i++) {
+        square[i][j] = square[j][i] = i == j;
       }
-      square[j][j] = 1;
       x[j] = 0;
-      continue;
-    }
-    double pivot = square[j][j];
-    for (int k = 0; k < j; k++) {
-      pivot -= square[j][k] * square[j][k];
-    }
-    if (!(pivot > 1e-4 * square[j][j])) {
-      return false;
-    }
-    square[j][j] = sqrt(pivot);
-    for (int i = j + 1; i < UNKNOWNS; i++) {
-      for (int k = 0; k < j; k++) {
-        square[i][j] -= square[i][k] * square[j][k];
-      }
-      square[i][j] /= square[j][j];
     }
   }
-  for (int i = 0; i < UNKNOWNS; i++) {
-    for (int k = 0; k < i; k++) {
-      x[i] -= square[i][k] * x[k];
-    }
-    x[i] /= square[i][i];
+  if (!placido_dense_factor(&square[0][0], UNKNOWNS, UNKNOWNS, 1e-4)) {
+    return false;
   }
-  for (int i = UNKNOWNS - 1; i >= 0; i--) {
-    for (int k = i + 1; k < UNKNOWNS; k++) {
-      x[i] -= square[k][i] * x[k];
-    }
-    x[i] /= square[i][i];
-  }
+  placido_dense_solve(&square[0][0], UNKNOWNS, UNKNOWNS, x);
   return true;
 }
 

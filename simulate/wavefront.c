@@ -8,6 +8,7 @@
  * (x, y, 1 / depth), in which the paths are nearly linear. */
 #include <placido/wavefront.h>
 
+#include "base/dense.h"
 #include "base/memory.h"
 #include "simulate/eye.h"
 #include "simulate/trace.h"
@@ -103,40 +104,6 @@ static int chief_path(double *path_mm, const placido_wavefront *w, const placido
   return status;
 }
 
-/* Solves the symmetric system of `count` (at most 3) unknowns in place by Cholesky's method; false
- * where it is singular. */
-static bool solve(double matrix[3][3], double vector[3], int count) {
-  for (int j = 0; j < count; j++) {
-    double pivot = matrix[j][j];
-    for (int k = 0; k < j; k++) {
-      pivot -= matrix[j][k] * matrix[j][k];
-    }
-    if (!(pivot > 1e-12 * matrix[j][j])) {
-      return false;
-    }
-    matrix[j][j] = sqrt(pivot);
-    for (int i = j + 1; i < count; i++) {
-      for (int k = 0; k < j; k++) {
-        matrix[i][j] -= matrix[i][k] * matrix[j][k];
-      }
-      matrix[i][j] /= matrix[j][j];
-    }
-  }
-  for (int i = 0; i < count; i++) {
-    for (int k = 0; k < i; k++) {
-      vector[i] -= matrix[i][k] * vector[k];
-    }
-    vector[i] /= matrix[i][i];
-  }
-  for (int i = count - 1; i >= 0; i--) {
-    for (int k = i + 1; k < count; k++) {
-      vector[i] -= matrix[k][i] * vector[k];
-    }
-    vector[i] /= matrix[i][i];
-  }
-  return true;
-}
-
 /* One step towards the centre of least spread, in (x, y, 1 / depth) as far as `unknowns` goes. */
 static bool step_focus(placido_wavefront *w, const double *depth_mm, int unknowns,
                        double step[3]) {
@@ -161,7 +128,11 @@ static bool step_focus(placido_wavefront *w, const double *depth_mm, int unknown
       }
     }
   }
-  return solve(square, step, unknowns);
+  if (!placido_dense_factor(&square[0][0], unknowns, 3, 1e-12)) {
+    return false;
+  }
+  placido_dense_solve(&square[0][0], unknowns, 3, step);
+  return true;
 }
 
 static int find_focus(placido_wavefront *w, const placido_surface *surface,

@@ -6,6 +6,7 @@
  * counts as one more term, so that one sum holds matrix and right side. */
 #include <placido/wavefront.h>
 
+#include "base/dense.h"
 #include "base/dispatch.h"
 #include "base/memory.h"
 #include "reconstruct/surface/zernike.h"
@@ -128,43 +129,6 @@ static void sum_up(fitting *f, const double *x, const double *y, const double *z
   }
 }
 
-/* The lower triangle of `sums` (rows of `columns`) becomes its factor; false where it has none. */
-static bool factorise(double *sums, int terms, int columns) {
-  for (int j = 0; j < terms; j++) {
-    double *row = sums + j * columns, pivot = row[j], whole = row[j];
-    for (int k = 0; k < j; k++) {
-      pivot -= row[k] * row[k];
-    }
-    if (!(pivot > 1e-13 * whole)) {
-      return false;
-    }
-    row[j] = sqrt(pivot);
-    for (int i = j + 1; i < terms; i++) {
-      double *other = sums + i * columns, sum = other[j];
-      for (int k = 0; k < j; k++) {
-        sum -= other[k] * row[k];
-      }
-      other[j] = sum / row[j];
-    }
-  }
-  return true;
-}
-
-static void solve(const double *factor, int terms, int columns, double *vector) {
-  for (int i = 0; i < terms; i++) {
-    for (int k = 0; k < i; k++) {
-      vector[i] -= factor[i * columns + k] * vector[k];
-    }
-    vector[i] /= factor[i * columns + i];
-  }
-  for (int i = terms - 1; i >= 0; i--) {
-    for (int k = i + 1; k < terms; k++) {
-      vector[i] -= factor[k * columns + i] * vector[k];
-    }
-    vector[i] /= factor[i * columns + i];
-  }
-}
-
 /* The matrix itself, times the vector, by way of its factor. */
 static void apply(const double *factor, int terms, int columns, double *vector) {
   for (int i = 0; i < terms; i++) {
@@ -208,9 +172,9 @@ static int conclude(placido_zernike_fit *fit, fitting *f, const double *weight,
   const double *last = f->sums + f->terms * f->columns;
   double square = last[f->terms];
   memcpy(right, last, (size_t)f->terms * sizeof *right);
-  if (fit->count >= (size_t)f->terms && factorise(f->sums, f->terms, f->columns)) {
+  if (fit->count >= (size_t)f->terms && placido_dense_factor(f->sums, f->terms, f->columns, 1e-13)) {
     fit->condition = sqrt(growth(f->sums, f->terms, f->columns, apply) *
-                          growth(f->sums, f->terms, f->columns, solve));
+                          growth(f->sums, f->terms, f->columns, placido_dense_solve));
   }
   if (!(fit->condition > 0 && fit->condition < condition_max)) {
     return placido_error_set(err, PLACIDO_QUALITY,
@@ -218,7 +182,7 @@ static int conclude(placido_zernike_fit *fit, fitting *f, const double *weight,
                              fit->count, f->terms, f->order);
   }
   memcpy(fit->coefficients, right, (size_t)f->terms * sizeof *right);
-  solve(f->sums, f->terms, f->columns, fit->coefficients);
+  placido_dense_solve(f->sums, f->terms, f->columns, fit->coefficients);
   for (int j = 0; j < f->terms; j++) {
     square -= fit->coefficients[j] * right[j];
   }

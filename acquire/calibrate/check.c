@@ -2,7 +2,7 @@
 #include "acquire/calibrate/setup.h"
 #include "acquire/calibrate/solve.h"
 
-#include "acquire/calibrate/dense.h"
+#include "base/dense.h"
 
 #include <math.h>
 
@@ -148,8 +148,8 @@ static void compare(placido_ball_check *check, const placido_surface *surface,
     }
   }
   check->radius_mm = NAN;
-  if (eight.seen > 100 && placido_dense_factor(sphere.a, 4)) {
-    placido_dense_solve(sphere.a, 4, sphere.b);
+  if (eight.seen > 100 && placido_dense_factor(sphere.a, 4, 4, 0)) {
+    placido_dense_solve(sphere.a, 4, 4, sphere.b);
     check->radius_mm = radius_mm + sphere.b[3];
   }
 }

@@ -4,6 +4,7 @@
 #include "acquire/calibrate/covariance.h"
 
 #include "acquire/calibrate/dense.h"
+#include "base/dense.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -100,7 +101,7 @@ static int find_modes(placido_calibration *c, work *w, const placido_calibrate_p
     return status;
   }
   memcpy(w->factor, w->covariance, size * sizeof(double));
-  if (!placido_dense_factor(w->factor, n)) {
+  if (!placido_dense_factor(w->factor, n, n, 0)) {
     return placido_error_set(err, PLACIDO_QUALITY, "the calibration's covariance is singular");
   }
   multiply_transposed(w->vectors, w->picture, w->factor, n);

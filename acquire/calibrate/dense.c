@@ -1,60 +1,20 @@
-/* Cholesky's factor, and eigenvalues by Jacobi's cyclic rotations (Golub & Van Loan, Matrix
- * Computations, 4th ed., algorithms 4.2.2 and 8.5.3): slow for large matrices, accurate for small
- * ones. */
+/* Eigenvalues by Jacobi's cyclic rotations (Golub & Van Loan, Matrix Computations, 4th ed.,
+ * algorithm 8.5.3): slow for large matrices, accurate for small ones. */
 #include "acquire/calibrate/dense.h"
+
+#include "base/dense.h"
 
 #include <math.h>
 #include <string.h>
 
 #define SWEEPS 40
 
-bool placido_dense_factor(double *a, int n) {
-  for (int i = 0; i < n; i++) {
-    double *row = a + (size_t)i * (size_t)n;
-    for (int j = 0; j <= i; j++) {
-      const double *other = a + (size_t)j * (size_t)n;
-      double sum = row[j];
-      for (int k = 0; k < j; k++) {
-        sum -= row[k] * other[k];
-      }
-      if (j < i) {
-        row[j] = sum / other[j];
-      } else if (sum > 0) {
-        row[i] = sqrt(sum);
-      } else {
-        return false;
-      }
-    }
-    for (int j = i + 1; j < n; j++) {
-      row[j] = 0;
-    }
-  }
-  return true;
-}
-
-void placido_dense_solve(const double *factor, int n, double *b) {
-  for (int i = 0; i < n; i++) {
-    const double *row = factor + (size_t)i * (size_t)n;
-    for (int k = 0; k < i; k++) {
-      b[i] -= row[k] * b[k];
-    }
-    b[i] /= row[i];
-  }
-  for (int i = n - 1; i >= 0; i--) {
-    const double *row = factor + (size_t)i * (size_t)n;
-    b[i] /= row[i];
-    for (int k = 0; k < i; k++) {
-      b[k] -= row[k] * b[i];
-    }
-  }
-}
-
 void placido_dense_inverse(double *inverse, const double *factor, int n) {
   memset(inverse, 0, (size_t)n * (size_t)n * sizeof *inverse);
   for (int i = 0; i < n; i++) {
     double *row = inverse + (size_t)i * (size_t)n;
     row[i] = 1;
-    placido_dense_solve(factor, n, row);
+    placido_dense_solve(factor, n, n, row);
   }
 }
 

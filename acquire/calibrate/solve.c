@@ -4,7 +4,7 @@
  * prior adds the unit matrix. */
 #include "acquire/calibrate/solve.h"
 
-#include "acquire/calibrate/dense.h"
+#include "base/dense.h"
 #include "base/memory.h"
 #include "reconstruct/median.h"
 
@@ -178,7 +178,7 @@ static void own_factor(double factor[9], const placido_calibrate_block *block, d
   for (int i = 0; i < 9; i++) {
     factor[i] = block->own[i / 3][i % 3] + (i % 4 == 0 ? damping : 0);
   }
-  placido_dense_factor(factor, 3);
+  placido_dense_factor(factor, 3, 3, 0);
 }
 
 /* Eliminates the views: the factor of what is left in `reduced`, its right side in `right`. */
@@ -195,7 +195,7 @@ static bool reduce(placido_calibrate_solver *s, double damping) {
     own_factor(factor, block, damping);
     for (size_t i = 0; i < n; i++) {
       double solved[3] = {block->across[3 * i], block->across[3 * i + 1], block->across[3 * i + 2]};
-      placido_dense_solve(factor, 3, solved);
+      placido_dense_solve(factor, 3, 3, solved);
       for (size_t j = 0; j <= i; j++) {
         const double *b = block->across + 3 * j;
         s->reduced[i * n + j] -= solved[0] * b[0] + solved[1] * b[1] + solved[2] * b[2];
@@ -205,7 +205,7 @@ static bool reduce(placido_calibrate_solver *s, double damping) {
       }
     }
   }
-  return placido_dense_factor(s->reduced, (int)n);
+  return placido_dense_factor(s->reduced, (int)n, (int)n, 0);
 }
 
 /* The step at a damping, added to q in `trial`. */
@@ -214,7 +214,7 @@ static bool take_step(placido_calibrate_solver *s, double damping) {
   if (!reduce(s, damping)) {
     return false;
   }
-  placido_dense_solve(s->reduced, n, s->right);
+  placido_dense_solve(s->reduced, n, n, s->right);
   for (int i = 0; i < n; i++) {
     s->trial[i] = s->q[i] + s->right[i];
   }
@@ -228,7 +228,7 @@ static bool take_step(placido_calibrate_solver *s, double damping) {
       }
     }
     own_factor(factor, block, damping);
-    placido_dense_solve(factor, 3, step);
+    placido_dense_solve(factor, 3, 3, step);
     for (int k = 0; k < 3; k++) {
       s->trial[n + 3 * v + k] = s->q[n + 3 * v + k] + step[k];
     }

@@ -3,6 +3,7 @@
  * derivatives along the surface. */
 #include "reconstruct/solve/movement.h"
 
+#include "base/dense.h"
 #include "reconstruct/median.h"
 
 #include <math.h>
@@ -107,31 +108,6 @@ static void row_of(double row[FREEDOMS], const placido_sample *s, const placido_
   }
 }
 
-/* Solves the symmetric positive definite a x = b in place, by Cholesky's method. */
-static void solve(double a[FREEDOMS][FREEDOMS], double b[FREEDOMS]) {
-  for (int j = 0; j < FREEDOMS; j++) {
-    for (int i = j; i < FREEDOMS; i++) {
-      double sum = a[i][j];
-      for (int k = 0; k < j; k++) {
-        sum -= a[i][k] * a[j][k];
-      }
-      a[i][j] = i == j ? sqrt(sum) : sum / a[j][j];
-    }
-  }
-  for (int i = 0; i < FREEDOMS; i++) {
-    for (int k = 0; k < i; k++) {
-      b[i] -= a[i][k] * b[k];
-    }
-    b[i] /= a[i][i];
-  }
-  for (int i = FREEDOMS - 1; i >= 0; i--) {
-    for (int k = i + 1; k < FREEDOMS; k++) {
-      b[i] -= a[k][i] * b[k];
-    }
-    b[i] /= a[i][i];
-  }
-}
-
 /* The step of the pose that lessens the traced samples' residuals most. */
 static void find_step(double step[FREEDOMS], const placido_pose *pose,
                       const placido_sample *samples, size_t count, size_t stride,
@@ -157,7 +133,8 @@ static void find_step(double step[FREEDOMS], const placido_pose *pose,
       }
     }
   }
-  solve(a, step);
+  placido_dense_factor(&a[0][0], FREEDOMS, FREEDOMS, 0);
+  placido_dense_solve(&a[0][0], FREEDOMS, FREEDOMS, step);
 }
 
 /* Traces every stride-th sample; returns the robust spread of the residuals, NaN where none met the

@@ -1,5 +1,6 @@
 /* The dense algebra: factors multiply back, solutions solve, eigenvectors stay what they are. */
 #include "acquire/calibrate/dense.h"
+#include "base/dense.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,8 +25,8 @@ static void a_solution_solves(void **state) {
   hilbert(a);
   memcpy(l, a, sizeof l);
   memcpy(x, b, sizeof x);
-  assert_true(placido_dense_factor(l, N));
-  placido_dense_solve(l, N, x);
+  assert_true(placido_dense_factor(l, N, N, 0));
+  placido_dense_solve(l, N, N, x);
   placido_dense_inverse(inverse, l, N);
   for (int i = 0; i < N; i++) {
     double back = 0, by_inverse = 0;
@@ -41,7 +42,7 @@ static void a_solution_solves(void **state) {
 static void what_is_not_positive_has_no_factor(void **state) {
   (void)state;
   double a[4] = {1, 2, 2, 1};
-  assert_false(placido_dense_factor(a, 2));
+  assert_false(placido_dense_factor(a, 2, 2, 0));
 }
 
 static void eigenvectors_keep_their_direction(void **state) {

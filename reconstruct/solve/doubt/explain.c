@@ -4,6 +4,7 @@
  * eq. 2.8); what it explains counts as geometry, not as noise once more. */
 #include "reconstruct/solve/doubt/explain.h"
 
+#include "base/dense.h"
 #include "base/memory.h"
 #include "reconstruct/solve/errors/noise.h"
 
@@ -76,30 +77,17 @@ static void fill(struct equations *e, const placido_refinement *r, const placido
   }
 }
 
-/* Cholesky's factorisation; 1 on the diagonal keeps it positive definite. */
+/* 1 on the diagonal keeps the matrix positive definite. */
 static void solve(struct equations *e, double noise) {
   size_t n = (size_t)e->modes;
-  double *l = e->factor, *x = e->amplitude;
   for (size_t i = 0; i < n; i++) {
-    double side = e->side[i] / noise;
     for (size_t k = 0; k <= i; k++) {
-      double sum = e->matrix[i * n + k] / noise + (i == k);
-      for (size_t m = 0; m < k; m++) {
-        sum -= l[i * n + m] * l[k * n + m];
-      }
-      l[i * n + k] = i == k ? sqrt(sum) : sum / l[k * n + k];
+      e->factor[i * n + k] = e->matrix[i * n + k] / noise + (i == k);
     }
-    for (size_t k = 0; k < i; k++) {
-      side -= l[i * n + k] * x[k];
-    }
-    x[i] = side / l[i * n + i];
+    e->amplitude[i] = e->side[i] / noise;
   }
-  for (size_t i = n; i-- > 0;) {
-    for (size_t k = i + 1; k < n; k++) {
-      x[i] -= l[k * n + i] * x[k];
-    }
-    x[i] /= l[i * n + i];
-  }
+  placido_dense_factor(e->factor, e->modes, e->modes, 0);
+  placido_dense_solve(e->factor, e->modes, e->modes, e->amplitude);
 }
 
 /* The residuals less what the amplitudes explain, px. Returns the share of the variance left. */
