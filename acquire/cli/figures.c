@@ -187,8 +187,8 @@ static void list_maps(struct page *page) {
     }
   }
   list_map(page, "sigma_z", PLACIDO_PLACE_UNCERTAINTY,
-           "Height against its mean over the central 3 mm: what edge noise, smoothing and the cornea's "
-           "distance leave open, and the instrument's geometry where its file tells.");
+           "Height against its mean over the central 3 mm: what edge noise, smoothing and the "
+           "cornea's distance leave open, and the instrument's geometry where its file tells.");
   for (size_t i = 0; i < count; i++) {
     if (!kinds[i].more) {
       char name[64];
