@@ -36,6 +36,14 @@ enum placido_correct {
   PLACIDO_CORRECT_SPHERE  /* sphere alone: the lens's cross-cylinder stays */
 };
 
+/* How dark the eye is: p of the CIE's glare function (CIE 135/1), 0.5, 0, 1 and 1.2. */
+enum placido_iris {
+  PLACIDO_IRIS_BROWN,
+  PLACIDO_IRIS_DARK,
+  PLACIDO_IRIS_GREEN,
+  PLACIDO_IRIS_BLUE
+};
+
 /* The eye behind the cornea: a value. Zero means the default in brackets. */
 typedef struct placido_eye {
   double pupil_mm;             /* diameter of the entrance pupil, 0.1 to 12; no default */
@@ -44,6 +52,8 @@ typedef struct placido_eye {
   double retina_mm;            /* distance from the surface's point on the axis; [searched] */
   enum placido_correct correct;
   placido_correction correction; /* worn; what is searched of it replaces it */
+  double age_years;            /* 5 to 100 [35]: pupil, accommodation, straylight */
+  enum placido_iris iris;      /* [brown]: straylight */
 } placido_eye;
 
 /* Where the retina of an eye of `axial_mm` (18 to 36, cornea to retina) stands in a model of the

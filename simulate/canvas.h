@@ -1,0 +1,21 @@
+/* A scene brought to a PSF's scale, with as much bleed as that reaches. */
+#ifndef PLACIDO_SIMULATE_CANVAS_H
+#define PLACIDO_SIMULATE_CANVAS_H
+
+#include <placido/scene.h>
+
+/* The picture and its rim. Free with placido_canvas_free. */
+typedef struct placido_canvas {
+  placido_image own;          /* no data: the scene's own picture is used */
+  const placido_image *image; /* borrowed: from `own` or from the scene */
+  int bleed_px;
+  bool holes;                 /* the picture has alpha other than 1: colours are weighted by it */
+} placido_canvas;
+
+/* Checks the scene against a PSF of this bucket and reach (buckets from its middle), resamples and
+ * widens. Errors as placido_scene_see. */
+int placido_canvas_new(placido_canvas *canvas, const placido_scene *scene, double bucket_arcmin,
+                       int reach, int threads, placido_error *err);
+void placido_canvas_free(placido_canvas *canvas);
+
+#endif
