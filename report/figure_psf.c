@@ -16,13 +16,13 @@ static void write_figures(const placido_canvas *canvas, const placido_psf *psf) 
   placido_correction_write(correction, &psf->correction);
   if (psf->wavelength_nm > 0) {
     placido_canvas_print(canvas, 30, HEIGHT - 54, text_px, PLACIDO_LEFT,
-                         "pupil %g mm   ·   diffraction at %g nm   ·   fullest bucket %.3g %%   ·   "
+                         "pupil %.3g mm   ·   diffraction at %g nm   ·   fullest bucket %.3g %%   ·   "
                          "%.2f %% landed",
                          psf->pupil_mm, psf->wavelength_nm, 100 * psf->strehl_g,
                          100 * (1 - psf->outside));
   } else {
     placido_canvas_print(canvas, 30, HEIGHT - 54, text_px, PLACIDO_LEFT,
-                         "pupil %g mm   ·   geometric Strehl ratio %.3g   ·   "
+                         "pupil %.3g mm   ·   geometric Strehl ratio %.3g   ·   "
                          "landed %s %% of %ld rays",
                          psf->pupil_mm, psf->strehl_g, landed, psf->rays_entered);
   }
@@ -33,7 +33,7 @@ static void write_figures(const placido_canvas *canvas, const placido_psf *psf) 
 
 static void write_titles(const placido_canvas *canvas, const placido_psf_view *view, int block) {
   const placido_psf *psf = view->psf;
-  placido_canvas_print(canvas, 30, 26, 24, PLACIDO_LEFT, "Point spread function, pupil %g mm",
+  placido_canvas_print(canvas, 30, 26, 24, PLACIDO_LEFT, "Point spread function, pupil %.3g mm",
                        psf->pupil_mm);
   placido_canvas_print(canvas, 30, 60, text_px, PLACIDO_LEFT,
                        "Height: share of light per bucket of %g′ × %g′", psf->bucket_arcmin,

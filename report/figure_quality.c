@@ -95,10 +95,10 @@ static void write_figures(const placido_canvas *canvas, const placido_psf *psf) 
 static void write_title(const placido_canvas *canvas, const placido_psf *psf) {
   if (psf->wavelength_nm > 0) {
     placido_canvas_print(canvas, 30, 28, 24, PLACIDO_LEFT,
-                         "Image quality, pupil %g mm, diffraction at %g nm", psf->pupil_mm,
+                         "Image quality, pupil %.3g mm, diffraction at %g nm", psf->pupil_mm,
                          psf->wavelength_nm);
   } else {
-    placido_canvas_print(canvas, 30, 28, 24, PLACIDO_LEFT, "Image quality, pupil %g mm, rays",
+    placido_canvas_print(canvas, 30, 28, 24, PLACIDO_LEFT, "Image quality, pupil %.3g mm, rays",
                          psf->pupil_mm);
   }
 }

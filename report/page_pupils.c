@@ -4,6 +4,7 @@
 #include "report/correction.h"
 #include "report/html.h"
 #include "report/number.h"
+#include "report/page_plan.h"
 
 static void write_rays(FILE *stream, const placido_psf *psf) {
   char text[160], share[PLACIDO_NUMBER_SIZE];
@@ -88,10 +89,24 @@ static int write_scene(FILE *stream, const placido_report *report,
   return status;
 }
 
+static void write_plans(FILE *stream, const placido_report_pupil *pupil) {
+  bool any = false;
+  for (size_t k = 0; pupil->plans != NULL && k < pupil->scene_count; k++) {
+    if (pupil->plans[k].count > 0 && !any) {
+      fputs("<p class=\"small\">Each picture has the effects that would be seen in it. Error "
+            "without: at most so much of it, in linear light relative to white, would be wrong if "
+            "the effect were left out.</p>\n", stream);
+      any = true;
+    }
+    placido_page_plan(stream, pupil->scene_names[k], &pupil->plans[k]);
+  }
+}
+
 static int write_pupil(FILE *stream, const placido_report *report,
                        const placido_report_pupil *pupil, placido_error *err) {
   fputs("<section>\n<h2>", stream);
-  placido_html_print(stream, "Vision with a pupil of %g mm", pupil->psf->pupil_mm);
+  placido_html_print(stream, "Vision with a pupil of %.3g mm%s", pupil->psf->pupil_mm,
+                     pupil->automatic ? ", as its scenes' light gives it" : "");
   fputs("</h2>\n", stream);
   int status = write_psf(stream, report, pupil, err);
   write_acuities(stream, pupil);
@@ -103,6 +118,7 @@ static int write_pupil(FILE *stream, const placido_report *report,
     }
     fputs("</div>\n", stream);
   }
+  write_plans(stream, pupil);
   fputs("</section>\n", stream);
   return status;
 }

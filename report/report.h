@@ -8,6 +8,7 @@
 #include <placido/index.h>
 #include <placido/map.h>
 #include <placido/mires.h>
+#include <placido/plan.h>
 #include <placido/simulate.h>
 #include <placido/wavefront.h>
 
@@ -77,12 +78,23 @@ typedef struct placido_stage {
   double seconds;
 } placido_stage;
 
+/* Which effects a picture has, and what it took. */
+typedef struct placido_report_plan {
+  const placido_verdict *verdicts;
+  size_t count; /* 0: the picture was not planned */
+  double tolerance;
+  double planning_s, run_s;
+  double predicted_s; /* of the effects that ran, together; NaN: not known */
+} placido_report_plan;
+
 /* What one pupil gave: file names are relative to the exam directory. */
 typedef struct placido_report_pupil {
   const placido_psf *psf;
+  bool automatic; /* the pupil is the one that the scenes' luminance gives */
   const char *psf_picture; /* pupil-4mm/psf.png */
   const char *const *scene_names;
   const char *const *scene_pictures; /* pupil-4mm/tumbling-e.png */
+  const placido_report_plan *plans;  /* of the scenes; NULL: none was planned */
   double scene_arcmin_per_px;        /* of the pictures */
   size_t scene_count;
   const placido_acuity *acuities;

@@ -4,18 +4,22 @@
 
 #include <placido/scene.h>
 
-/* The picture and its rim. Free with placido_canvas_free. */
-typedef struct placido_canvas {
+/* The picture and its rim. Free with placido_scene_canvas_free. */
+typedef struct placido_scene_canvas {
   placido_image own;          /* no data: the scene's own picture is used */
   const placido_image *image; /* borrowed: from `own` or from the scene */
   int bleed_px;
   bool holes;                 /* the picture has alpha other than 1: colours are weighted by it */
-} placido_canvas;
+} placido_scene_canvas;
 
 /* Checks the scene against a PSF of this bucket and reach (buckets from its middle), resamples and
  * widens. Errors as placido_scene_see. */
-int placido_canvas_new(placido_canvas *canvas, const placido_scene *scene, double bucket_arcmin,
-                       int reach, int threads, placido_error *err);
-void placido_canvas_free(placido_canvas *canvas);
+int placido_scene_canvas_new(placido_scene_canvas *canvas, const placido_scene *scene,
+                             double bucket_arcmin, int reach, int threads, placido_error *err);
+void placido_scene_canvas_free(placido_scene_canvas *canvas);
+
+/* Divides the colours of a picture of four planes by its alpha: what a picture with holes needs
+ * when colours and alpha are spread. Where there is nothing there is no colour either. */
+void placido_scene_canvas_unweigh(placido_image *image);
 
 #endif

@@ -90,8 +90,8 @@ static bool trace_ray(placido_pencil *pencil, size_t at, const placido_entry *en
   return true;
 }
 
-static void pad(placido_pencil *pencil) {
-  for (; pencil->padded % LANES != 0; pencil->padded++) {
+void placido_pencil_close(placido_pencil *pencil) {
+  for (pencil->padded = pencil->count; pencil->padded % LANES != 0; pencil->padded++) {
     size_t at = pencil->padded;
     pencil->x[at] = pencil->y[at] = pencil->slope_x[at] = pencil->slope_y[at] = far_away;
     for (int k = 0; k < UNKNOWNS; k++) {
@@ -109,8 +109,7 @@ void placido_pencil_trace(placido_pencil *pencil, const placido_rays *rays,
   for (size_t i = 0; i < rays->count && pencil->count < pencil->room; i++) {
     pencil->count += trace_ray(pencil, pencil->count, &rays->entries[i], eye);
   }
-  pencil->padded = pencil->count;
-  pad(pencil);
+  placido_pencil_close(pencil);
 }
 
 size_t placido_pencil_select(placido_pencil *pencil, const placido_patch *patch) {

@@ -45,6 +45,9 @@ void placido_pencil_free(placido_pencil *pencil);
 void placido_pencil_trace(placido_pencil *pencil, const placido_rays *rays,
                           const placido_eye *eye);
 
+/* Ends columns that the caller has filled with `count` rays. */
+void placido_pencil_close(placido_pencil *pencil);
+
 /* The light within about `width` (a slope) of the aim: the sum of (1 + d²/width²)^-3/2 over the
  * rays, d their distance from it. Fills u and v; weights become the profile's derivative,
  * (1 + d²/width²)^-5/2. */

@@ -4,6 +4,7 @@
 #include "simulate/focus.h"
 #include "simulate/psf/diffraction_psf.h"
 #include "simulate/psf/geometric.h"
+#include "simulate/psf/settle.h"
 #include "simulate/trace.h"
 
 #include <placido/simulate.h>
@@ -27,9 +28,16 @@ static int check_pupil_filled(const placido_rays *rays, const placido_surface *s
                            eye->pupil_y_mm, placido_surface_radius_mm(surface));
 }
 
+static void tell_cover(double pupil_mm, const placido_rays *rays, placido_notes *notes) {
+  double uncovered = (double)rays->uncovered / (double)rays->count;
+  if (uncovered > uncovered_share_told) {
+    placido_notes_add(notes, "pupil %g mm: %.1f %% of it lies where no data support the surface",
+                      pupil_mm, 100 * uncovered);
+  }
+}
+
 static void tell(const placido_psf *psf, const placido_rays *rays, placido_notes *notes) {
   double inside = (double)(psf->rays_entered + psf->rays_missed);
-  double uncovered = (double)rays->uncovered / (double)rays->count;
   const struct { long count; const char *what; } lost[] = {
     {psf->rays_missed - psf->rays_grazed - psf->rays_reflected, "do not meet the surface"},
     {psf->rays_grazed, "meet the surface from behind or at more than 80 degrees"},
@@ -45,10 +53,7 @@ static void tell(const placido_psf *psf, const placido_rays *rays, placido_notes
     placido_notes_add(notes, "pupil %g mm: %.3g %% of the light falls outside the PSF's %.0f'",
                       psf->pupil_mm, 100 * psf->outside, psf->n * psf->bucket_arcmin);
   }
-  if (uncovered > uncovered_share_told) {
-    placido_notes_add(notes, "pupil %g mm: %.1f %% of it lies where no data support the surface",
-                      psf->pupil_mm, 100 * uncovered);
-  }
+  tell_cover(psf->pupil_mm, rays, notes);
 }
 
 /* Decides what is open in `eye`, and the point of fixation. */
@@ -77,24 +82,65 @@ static int fill(placido_psf *psf, const placido_surface *surface, const placido_
            : placido_geometric_fill(psf, surface, apex, eye, optics, fixation_mm, err);
 }
 
-/* Decides the eye and traces it; everything in `eye` and `optics` is settled. */
-static int make(placido_psf *psf, placido_eye *eye, const placido_surface *surface,
-                const placido_optics *optics, placido_notes *notes, placido_error *err) {
-  const int samples = PLACIDO_FOCUS_SEARCH_SAMPLES;
-  placido_rays rays = {0};
+/* What the search leaves behind. */
+typedef struct searched {
+  placido_rays rays;
   placido_apex apex;
   double fixation_mm[2];
-  int status = placido_apex_find(&apex, surface, eye, err);
-  if (status != PLACIDO_OK ||
-      (status = placido_rays_new(&rays, surface, &apex, eye, samples, err)) != 0 ||
-      (status = check_pupil_filled(&rays, surface, eye, err)) != 0 ||
-      (status = find_focus(eye, fixation_mm, surface, &apex, &rays, optics, err)) != 0 ||
-      (status = fill(psf, surface, &apex, eye, optics, fixation_mm, err)) != 0) {
-    goto done;
+} searched;
+
+/* Decides the eye; everything in `eye` and `optics` is settled. Free `found->rays`. */
+static int search(searched *found, placido_eye *eye, const placido_surface *surface,
+                  const placido_optics *optics, placido_error *err) {
+  const int samples = PLACIDO_FOCUS_SEARCH_SAMPLES;
+  *found = (searched){.fixation_mm = {0, 0}};
+  int status = placido_apex_find(&found->apex, surface, eye, err);
+  if (status == PLACIDO_OK) {
+    status = placido_rays_new(&found->rays, surface, &found->apex, eye, samples, err);
   }
-  tell(psf, &rays, notes);
-done:
-  placido_rays_free(&rays);
+  if (status == PLACIDO_OK) {
+    status = check_pupil_filled(&found->rays, surface, eye, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = find_focus(eye, found->fixation_mm, surface, &found->apex, &found->rays, optics, err);
+  }
+  return status;
+}
+
+/* Decides the eye and traces it. */
+static int make(placido_psf *psf, placido_eye *eye, const placido_surface *surface,
+                const placido_optics *optics, placido_notes *notes, placido_error *err) {
+  searched found;
+  int status = search(&found, eye, surface, optics, err);
+  if (status == PLACIDO_OK) {
+    status = fill(psf, surface, &found.apex, eye, optics, found.fixation_mm, err);
+  }
+  if (status == PLACIDO_OK) {
+    tell(psf, &found.rays, notes);
+  }
+  placido_rays_free(&found.rays);
+  return status;
+}
+
+int placido_psf_settle(placido_eye *found, double fixation_mm[2], const placido_surface *surface,
+                       const placido_eye *eye, placido_notes *notes, placido_error *err) {
+  const placido_optics usual = {0};
+  placido_optics optics;
+  searched by = {.fixation_mm = {0, 0}};
+  int status = placido_eye_settle(found, eye, err);
+  if (status == PLACIDO_OK) {
+    status = placido_optics_settle(&optics, &usual, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = search(&by, found, surface, &optics, err);
+  }
+  if (status == PLACIDO_OK) {
+    fixation_mm[0] = by.fixation_mm[0];
+    fixation_mm[1] = by.fixation_mm[1];
+    found->correct = PLACIDO_CORRECT_NONE;
+    tell_cover(found->pupil_mm, &by.rays, notes);
+  }
+  placido_rays_free(&by.rays);
   return status;
 }
 

@@ -1,12 +1,15 @@
 /* psf.csv and psf.json: a point spread function on disk. */
 #include "base/file.h"
 #include "base/json.h"
-#include "simulate/effects/left_out.h"
 
+#include <placido/plan.h>
+#include <placido/psf.h>
 #include <placido/quality.h>
-#include <placido/simulate.h>
 
+#include <math.h>
 #include <string.h>
+
+static const char not_planned[] = "the cornea alone was asked for";
 
 static void write_row(FILE *stream, const double *values, int n) {
   for (int i = 0; i < n; i++) {
@@ -47,35 +50,45 @@ static json_t *correction_json(const placido_correction *correction) {
   return NULL;
 }
 
-static json_t *left_out_json(const placido_psf *psf) {
-  size_t count;
-  const placido_left_out *effects = placido_left_out_list(&count);
-  json_t *list = json_array();
-  for (size_t i = 0; i < count; i++) {
-    if (psf->wavelength_nm > 0 && strcmp(effects[i].name, "diffraction") == 0) {
-      continue;
-    }
-    json_t *object = json_object();
-    bool whole = put(object, "name", json_string(effects[i].name)) &&
-                 put(object, "why", json_string(effects[i].why)) &&
-                 put_real(object, "estimate", effects[i].estimate(psf)) &&
-                 put(object, "unit", json_string(effects[i].unit));
-    if (json_array_append_new(list, object) != 0 || !whole) {
-      json_decref(list);
-      return NULL;
-    }
-  }
-  return list;
+/* What the point spread function itself has of effects. */
+static bool has_effect(const placido_psf *psf, const char *name) {
+  return psf->wavelength_nm > 0 && strcmp(name, "diffraction") == 0;
 }
 
-static json_t *effects_json(const placido_psf *psf) {
-  json_t *object = json_object(), *ran = json_array();
-  bool waves = psf->wavelength_nm > 0;
+static bool append_left_out(json_t *list, const char *name, const char *why, double estimate) {
+  json_t *object = json_object();
+  bool whole = put(object, "name", json_string(name)) && put(object, "why", json_string(why)) &&
+               put_real(object, "estimate", estimate) && put(object, "unit", json_string("white"));
+  return json_array_append_new(list, object) == 0 && whole;
+}
+
+/* Sorts what the plan says of effects into what ran and what did not; without a plan nothing did. */
+static bool sort_effects(json_t *ran, json_t *left_out, const placido_psf *psf,
+                         const placido_plan *plan) {
+  size_t count = 0;
+  const placido_verdict *verdicts = plan != NULL ? placido_plan_verdicts(plan, &count) : NULL;
+  const char *name, *summary;
+  bool whole = true;
+  for (size_t i = 0; whole && placido_effect_at(i, &name, &summary); i++) {
+    const placido_verdict *verdict = i < count ? &verdicts[i] : NULL;
+    if (has_effect(psf, name) || (verdict != NULL && verdict->runs)) {
+      whole = json_array_append_new(ran, json_string(name)) == 0;
+    } else {
+      whole = append_left_out(left_out, name, verdict != NULL ? verdict->reason : not_planned,
+                              verdict != NULL ? verdict->bound : (double)NAN);
+    }
+  }
+  return whole;
+}
+
+static json_t *effects_json(const placido_psf *psf, const placido_plan *plan) {
+  json_t *object = json_object(), *ran = json_array(), *left_out = json_array();
   bool worn = psf->correction.m_D != 0 || psf->correction.j0_D != 0 || psf->correction.j45_D != 0;
   bool whole = json_array_append_new(ran, json_string("corneal-refraction")) == 0 &&
                (!worn || json_array_append_new(ran, json_string("thin-lens-correction")) == 0) &&
-               (!waves || json_array_append_new(ran, json_string("diffraction")) == 0);
-  whole = put(object, "ran", ran) && put(object, "left_out", left_out_json(psf)) && whole;
+               sort_effects(ran, left_out, psf, plan);
+  whole = put(object, "ran", ran) && whole;
+  whole = put(object, "left_out", left_out) && whole;
   if (whole) {
     return object;
   }
@@ -112,7 +125,7 @@ static bool put_method(json_t *root, const placido_psf *psf) {
          put(root, "wavelength_nm", waves ? placido_json_real(psf->wavelength_nm) : json_null());
 }
 
-static json_t *psf_json(const placido_psf *psf, double seconds) {
+static json_t *psf_json(const placido_psf *psf, const placido_plan *plan, double seconds) {
   json_t *root = json_object();
   bool whole = put(root, "format", json_string("placido-psf/1")) &&
                put_real(root, "pupil_mm", psf->pupil_mm) && put_method(root, psf) &&
@@ -124,14 +137,14 @@ static json_t *psf_json(const placido_psf *psf, double seconds) {
                put(root, "rays_reflected", json_integer(psf->rays_reflected)) &&
                put_real(root, "outside", psf->outside) &&
                put_real(root, "strehl_g", psf->strehl_g) &&
-               put_real(root, "rms_arcmin", placido_psf_rms_arcmin(psf)) &&
+               put_real(root, "rms_arcmin", placido_psf_moments(psf).rms) &&
                put_quality(root, psf) &&
                put_real(root, "bucket_arcmin", psf->bucket_arcmin) &&
                put_real(root, "bucket_um", psf->bucket_um) &&
                put(root, "correction", correction_json(&psf->correction)) &&
                put_real(root, "retina_mm", psf->retina_mm) &&
                put_real(root, "refractive_index", psf->index) &&
-               put(root, "effects", effects_json(psf)) && put_real(root, "seconds", seconds);
+               put(root, "effects", effects_json(psf, plan)) && put_real(root, "seconds", seconds);
   if (whole) {
     return root;
   }
@@ -139,9 +152,9 @@ static json_t *psf_json(const placido_psf *psf, double seconds) {
   return NULL;
 }
 
-int placido_psf_save_json(const placido_psf *psf, double seconds, const char *path,
-                          placido_error *err) {
-  json_t *root = psf_json(psf, seconds);
+int placido_psf_save_json(const placido_psf *psf, const placido_plan *plan, double seconds,
+                          const char *path, placido_error *err) {
+  json_t *root = psf_json(psf, plan, seconds);
   if (root == NULL) {
     return placido_error_set(err, PLACIDO_MEMORY, "out of memory while writing %s", path);
   }

@@ -1,5 +1,7 @@
 /* Scenes: a generated chart within its bleed, or what a scene file says. */
+#include "base/memory.h"
 #include "simulate/charts/chart.h"
+#include "simulate/depth/map.h"
 #include "simulate/scene_file.h"
 
 #include <placido/scene.h>
@@ -46,6 +48,9 @@ static int draw(placido_scene *scene, const placido_chart *chart, const placido_
     scene->bleed_px = bleed;
     scene->bits = 8;
     scene->conditions = placido_conditions_of(chart);
+  }
+  if (status == PLACIDO_OK && chart->vergence_D != NULL) {
+    status = placido_depth_draw(scene, chart->vergence_D, err);
   }
   placido_image_free(&alone);
   return status;
@@ -108,6 +113,7 @@ int placido_scene_load(placido_scene *scene, const char *name_or_path, double ch
 void placido_scene_free(placido_scene *scene) {
   if (scene != NULL) {
     placido_image_free(&scene->image);
+    placido_memory_free(scene->depth_D);
     *scene = (placido_scene){0};
   }
 }

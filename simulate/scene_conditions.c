@@ -2,15 +2,10 @@
 #include "base/file.h"
 #include "simulate/scene_file.h"
 
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 static const double usual_tolerance = 0.01;
-
-/* Conditions that the geometric simulation does not follow. */
-static const char *const idle_keys[] = {"luminance_cd_m2", "depth", "spectrum"};
 
 static const struct {
   const char *name;
@@ -27,7 +22,8 @@ placido_conditions placido_conditions_of(const placido_chart *chart) {
   bool near = chart != NULL && chart->distance_m > 0;
   return (placido_conditions){.luminance_cd_m2 = lit ? chart->luminance_cd_m2 : NAN,
                               .distance_m = near ? chart->distance_m : INFINITY,
-                              .spectrum = PLACIDO_SPECTRUM_DISPLAY_SRGB,
+                              .spectrum = chart != NULL ? chart->spectrum
+                                                        : PLACIDO_SPECTRUM_DISPLAY_SRGB,
                               .wavelength_nm = NAN,
                               .tolerance = usual_tolerance};
 }
@@ -83,9 +79,10 @@ static int read_spectrum(placido_conditions *conditions, const placido_json *jso
                                              "incandescent or a wavelength in nm");
 }
 
-/* The file is not read here, but a name that leads nowhere is told at once. */
-static int read_depth(placido_conditions *conditions, const placido_json *json, const char *path,
-                      placido_error *err) {
+/* Where the depth map is. Without a distance the eye looks at what it has in the middle, which is
+ * not known before it is read. */
+static int read_depth_path(placido_conditions *conditions, const placido_json *json,
+                           const char *path, placido_error *err) {
   char name[sizeof conditions->depth_path], whole[PLACIDO_PATH_MAX];
   if (placido_json_find(json, "depth") == NULL) {
     return PLACIDO_OK;
@@ -94,20 +91,17 @@ static int read_depth(placido_conditions *conditions, const placido_json *json, 
   if (status == PLACIDO_OK) {
     status = placido_scene_beside(whole, path, name, err);
   }
-  if (status != PLACIDO_OK) {
-    return status;
+  if (status == PLACIDO_OK && strlen(whole) >= sizeof conditions->depth_path) {
+    status = placido_error_set(err, PLACIDO_INPUT, "a path of %zu bytes is too long",
+                               strlen(whole));
   }
-  FILE *file = fopen(whole, "rb");
-  if (file == NULL) {
-    return placido_error_set(err, PLACIDO_SYSTEM, "cannot read the depth %s: %s", name,
-                             strerror(errno));
+  if (status == PLACIDO_OK) {
+    memcpy(conditions->depth_path, whole, strlen(whole) + 1);
   }
-  fclose(file);
-  if (strlen(whole) >= sizeof conditions->depth_path) {
-    return placido_error_set(err, PLACIDO_INPUT, "a path of %zu bytes is too long", strlen(whole));
+  if (placido_json_find(json, "distance_m") == NULL) {
+    conditions->distance_m = NAN;
   }
-  memcpy(conditions->depth_path, whole, strlen(whole) + 1);
-  return PLACIDO_OK;
+  return status;
 }
 
 int placido_conditions_read(placido_conditions *conditions, const placido_json *json,
@@ -123,19 +117,7 @@ int placido_conditions_read(placido_conditions *conditions, const placido_json *
     status = read_range(json, "tolerance", 1e-6, 1, &conditions->tolerance, err);
   }
   if (status == PLACIDO_OK) {
-    status = read_depth(conditions, json, path, err);
+    status = read_depth_path(conditions, json, path, err);
   }
   return status;
-}
-
-void placido_conditions_tell(const placido_json *json, const char *name, placido_notes *notes) {
-  for (size_t i = 0; i < sizeof idle_keys / sizeof *idle_keys; i++) {
-    if (placido_json_find(json, idle_keys[i]) != NULL) {
-      placido_notes_add(notes, "scene %s: %s has no effect in this build", name, idle_keys[i]);
-    }
-  }
-  if (json_is_number(placido_json_find(json, "distance_m"))) {
-    placido_notes_add(notes, "scene %s: distance_m has no effect in this build, everything is "
-                      "seen at infinity", name);
-  }
 }

@@ -5,6 +5,7 @@
 #include "simulate/calibration.h"
 #include "simulate/charts/chart.h"
 #include "simulate/charts/logmar.h"
+#include "simulate/depth/map.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -134,7 +135,13 @@ static int read_chart(placido_scene *scene, const char *chart, double arcmin_per
   scene->arcmin_per_px = drawn.arcmin_per_px;
   scene->bleed_px = drawn.bleed_px;
   scene->bits = drawn.bits;
+  scene->depth_D = drawn.depth_D;
   return status;
+}
+
+static int read_depth(placido_scene *scene, placido_error *err) {
+  const char *path = scene->conditions.depth_path;
+  return path[0] != '\0' ? placido_depth_load(scene, path, err) : PLACIDO_OK;
 }
 
 /* A picture is a plane: far from its middle a pixel is seen under a smaller angle (cos²). */
@@ -192,9 +199,9 @@ static int read_scene(placido_scene *scene, const placido_json *json, const char
   if (status != PLACIDO_OK) {
     return status;
   }
-  placido_conditions_tell(json, scene->name, notes);
-  return chart != NULL ? read_chart(scene, chart->name, chart_arcmin_per_px, json, notes, err)
-                       : read_photograph(scene, path, image, json, notes, err);
+  status = chart != NULL ? read_chart(scene, chart->name, chart_arcmin_per_px, json, notes, err)
+                         : read_photograph(scene, path, image, json, notes, err);
+  return status == PLACIDO_OK ? read_depth(scene, err) : status;
 }
 
 int placido_scene_read(placido_scene *scene, const char *path, double chart_arcmin_per_px,

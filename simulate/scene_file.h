@@ -11,13 +11,10 @@
 placido_conditions placido_conditions_of(const placido_chart *chart);
 
 /* Reads the optional fields about light, distance and tolerance; those that are missing stay as
- * they are. `path` is the scene file's.
- * Returns PLACIDO_OK, PLACIDO_INPUT, PLACIDO_SYSTEM (no such depth file). */
+ * they are. `path` is the scene file's. The depth map is not read; where it alone says where things
+ * are, distance_m is NaN. Returns PLACIDO_OK, PLACIDO_INPUT. */
 int placido_conditions_read(placido_conditions *conditions, const placido_json *json,
                             const char *path, placido_error *err);
-
-/* Notes for every condition that this build does not follow. */
-void placido_conditions_tell(const placido_json *json, const char *name, placido_notes *notes);
 
 /* Fills `scene` (zeroed) from a file. Charts without a calibration get chart_arcmin_per_px. */
 int placido_scene_read(placido_scene *scene, const char *path, double chart_arcmin_per_px,

@@ -118,7 +118,7 @@ static int find_ghosts(struct acuity_view *acuity, const placido_psf *psf, placi
 static int predict(struct examination *examination, struct view *view,
                    placido_observer *const *observers, size_t count, placido_error *err) {
   struct stages *stages = &examination->outcome->stages;
-  stages_next(stages, "acuity %g mm", view->psf.pupil_mm);
+  stages_next(stages, "acuity %.3g mm", view->psf.pupil_mm);
   struct others *others = placido_memory_new(1, sizeof *others, err);
   if (!others) {
     return PLACIDO_MEMORY;

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 static const struct bench *const benches[] = {&bench_record, &bench_live, &bench_reconstruct,
-                                              &bench_simulate};
+                                              &bench_simulate, &bench_effects};
 #define BENCH_COUNT (sizeof benches / sizeof benches[0])
 
 /* Marks the benchmark of that name. */

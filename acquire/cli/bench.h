@@ -22,6 +22,7 @@ struct bench {
   int (*run)(struct bench_run *run, placido_error *err);
 };
 
-extern const struct bench bench_live, bench_reconstruct, bench_record, bench_simulate;
+extern const struct bench bench_live, bench_reconstruct, bench_record, bench_simulate,
+    bench_effects;
 
 #endif

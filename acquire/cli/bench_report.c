@@ -5,6 +5,7 @@
 #include "base/memory.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -64,6 +65,27 @@ int bench_report_laps(struct bench_report *report, const char *what, const struc
   return bench_report_add(report, &figure, err);
 }
 
+int bench_report_say(struct bench_report *report, placido_error *err, const char *format, ...) {
+  struct bench_section *section = &report->sections[report->count - 1];
+  char text[512];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  char **lines =
+      placido_memory_grow(section->lines, section->line_count + 1, sizeof *lines, err);
+  if (!lines) {
+    return PLACIDO_MEMORY;
+  }
+  section->lines = lines;
+  lines[section->line_count] = placido_memory_string(text, err);
+  if (!lines[section->line_count]) {
+    return PLACIDO_MEMORY;
+  }
+  section->line_count++;
+  return PLACIDO_OK;
+}
+
 /* Empty columns go before the next one that is not, so that no line ends with spaces. */
 static void print_figure(const struct bench_figure *figure) {
   const bool is_time = !isnan(figure->processor);
@@ -91,6 +113,9 @@ void bench_report_print(const struct bench_report *report) {
     for (size_t k = 0; k < section->count; k++) {
       print_figure(&section->figures[k]);
     }
+    for (size_t k = 0; k < section->line_count; k++) {
+      printf("  %s\n", section->lines[k]);
+    }
   }
 }
 
@@ -108,13 +133,17 @@ static json_t *figure_json(const struct bench_figure *figure) {
 }
 
 static json_t *section_json(const struct bench_section *section) {
-  json_t *object = json_object(), *figures = json_array();
+  json_t *object = json_object(), *figures = json_array(), *lines = json_array();
   for (size_t i = 0; i < section->count; i++) {
     json_array_append_new(figures, figure_json(&section->figures[i]));
   }
   json_object_set_new(object, "name", json_string(section->name));
   json_object_set_new(object, "summary", json_string(section->summary));
   json_object_set_new(object, "figures", figures);
+  for (size_t i = 0; i < section->line_count; i++) {
+    json_array_append_new(lines, json_string(section->lines[i]));
+  }
+  json_object_set_new(object, "lines", lines);
   return object;
 }
 
@@ -132,6 +161,10 @@ json_t *bench_report_json(const struct bench_report *report) {
 void bench_report_free(struct bench_report *report) {
   for (size_t i = 0; i < report->count; i++) {
     placido_memory_free(report->sections[i].figures);
+    for (size_t k = 0; k < report->sections[i].line_count; k++) {
+      placido_memory_free(report->sections[i].lines[k]);
+    }
+    placido_memory_free(report->sections[i].lines);
   }
   placido_memory_free(report->sections);
   *report = (struct bench_report){0};

@@ -23,6 +23,8 @@ struct bench_section {
   const char *name, *summary;
   struct bench_figure *figures;
   size_t count;
+  char **lines; /* what no number says */
+  size_t line_count;
 };
 
 struct bench_report {
@@ -49,6 +51,10 @@ int bench_report_number(struct bench_report *report, const char *what, double va
 int bench_report_laps(struct bench_report *report, const char *what, const struct bench_laps *laps,
                       const struct bench_laps *reference, const char *against,
                       placido_error *err);
+
+/* A sentence behind the figures. */
+int bench_report_say(struct bench_report *report, placido_error *err, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 void bench_report_print(const struct bench_report *report);
 

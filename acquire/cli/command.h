@@ -39,7 +39,7 @@ struct command {
 extern const struct command command_exam, command_reconstruct, command_simulate, command_phantom,
     command_devices, command_device_sim, command_live, command_session, command_record,
     command_calibrate, command_verify, command_compare, command_iso_check, command_bench, command_import, command_export,
-    command_study;
+    command_study, command_plan;
 
 #define PROGRAM_VERSION "placido " PLACIDO_VERSION
 

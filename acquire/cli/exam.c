@@ -17,7 +17,8 @@ static int run(const struct settings *settings, struct outcome *outcome, placido
 }
 
 static const struct option_group *const groups[] = {
-    &options_directory, &options_measuring, &options_maps, &options_wavefront, &options_seeing, &options_eye, &options_general, NULL};
+    &options_directory, &options_measuring, &options_maps, &options_wavefront, &options_seeing,
+    &options_effects, &options_eye, &options_general, NULL};
 
 const struct command command_exam = {
     .name = "exam",

@@ -77,7 +77,7 @@ examination_step step_heights_fit;
 examination_step step_maps;   /* maps and indices */
 examination_step step_wavefront;
 examination_step step_scenes; /* reads what is looked at, before any work */
-examination_step step_see;    /* point spread functions and scenes of every pupil */
+examination_step step_see;    /* point spread functions, plans and scenes of every pupil */
 examination_step step_acuity; /* of every pupil that step_see has seen through */
 examination_step step_save;   /* every file of the directory */
 

@@ -155,7 +155,9 @@ int eye_settings_read(placido_eye *eye, const struct settings *settings, double 
                        .index = settings->index,
                        .retina_mm = settings->retina_mm,
                        .correct = behind->correct.given ? behind->correct.what : usual,
-                       .correction = behind->lens.power};
+                       .correction = behind->lens.power,
+                       .age_years = settings->plan.age_years,
+                       .iris = settings->plan.iris};
   if (behind->axial_mm == 0.0) {
     return PLACIDO_OK;
   }

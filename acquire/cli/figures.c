@@ -136,9 +136,10 @@ struct page {
   double wavefront_sigmas[LIST_MAX][WAVEFRONT_FIGURES_MAX];
   placido_report_wavefront wavefronts[LIST_MAX];
   placido_sigma budget[PLACIDO_SIGMA_SOURCES];
-  char psf_files[LIST_MAX][JOB_NAME_SIZE], scene_files[LIST_MAX][LIST_MAX][JOB_NAME_SIZE];
-  const char *scene_names[LIST_MAX][LIST_MAX], *scene_pictures[LIST_MAX][LIST_MAX];
-  placido_report_pupil pupils[LIST_MAX];
+  char psf_files[VIEWS_MAX][JOB_NAME_SIZE], scene_files[VIEWS_MAX][LIST_MAX][JOB_NAME_SIZE];
+  const char *scene_names[VIEWS_MAX][LIST_MAX], *scene_pictures[VIEWS_MAX][LIST_MAX];
+  placido_report_plan plans[VIEWS_MAX][LIST_MAX];
+  placido_report_pupil pupils[VIEWS_MAX];
   placido_stage stages[STAGES_MAX];
   placido_fit_summary fit;
 };
@@ -212,22 +213,42 @@ static void list_wavefronts(struct page *page, const struct wavefronts *wavefron
   }
 }
 
-static void list_pupil(struct page *page, size_t index, const struct views *views) {
+static placido_report_plan describe_plan(const struct sight *sight, const placido_scene *scene,
+                                         const struct settings *settings) {
+  placido_report_plan plan = {.tolerance = plan_settings_tolerance(settings, scene),
+                              .run_s = sight->run_s};
+  double settling_s;
+  if (sight->plan) {
+    plan.verdicts = placido_plan_verdicts(sight->plan, &plan.count);
+    placido_plan_seconds(sight->plan, &plan.planning_s, &settling_s);
+  }
+  for (size_t i = 0; i < plan.count; i++) {
+    plan.predicted_s += plan.verdicts[i].runs ? 1e-3 * plan.verdicts[i].cost_ms : 0;
+  }
+  return plan;
+}
+
+static void list_pupil(struct page *page, size_t index, const struct views *views,
+                       const struct settings *settings) {
   const struct view *view = &views->items[index];
   placido_report_pupil *pupil = &page->pupils[index];
   snprintf(page->psf_files[index], JOB_NAME_SIZE, "%s/psf.png", view->directory);
   *pupil = (placido_report_pupil){.psf = &view->psf,
+                                  .automatic = view->automatic,
                                   .psf_picture = page->psf_files[index],
                                   .scene_names = page->scene_names[index],
                                   .scene_pictures = page->scene_pictures[index],
+                                  .plans = page->plans[index],
                                   .scene_arcmin_per_px = view->psf.bucket_arcmin,
                                   .acuities = view->acuity.items,
                                   .acuity_count = view->acuity.count,
                                   .ghosts = &view->acuity.ghosts};
   for (size_t i = 0; i < views->scene_count; i++) {
-    if (!view->seen[i].data) {
+    if (!view->sights[i].image.data) {
       continue;
     }
+    page->plans[index][pupil->scene_count] =
+        describe_plan(&view->sights[i], &views->scenes[i], settings);
     char *file = page->scene_files[index][pupil->scene_count];
     snprintf(file, JOB_NAME_SIZE, "%s/%s.png", view->directory, views->stems[i]);
     page->scene_pictures[index][pupil->scene_count] = file;
@@ -285,7 +306,7 @@ int figures_report(const struct examination *examination, placido_error *err) {
                            .stage_count = stages->count > 0 ? stages->count - 1 : 0,
                            .notes = &examination->outcome->notes};
   for (size_t i = 0; i < examination->views.count; i++) {
-    list_pupil(page, i, &examination->views);
+    list_pupil(page, i, &examination->views, examination->settings);
   }
   list_stages(page, stages);
   if (examination->fit) {

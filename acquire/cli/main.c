@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 static const struct command *const commands[] = {&command_exam, &command_reconstruct,
-                                                 &command_simulate, &command_phantom,
+                                                 &command_simulate, &command_plan, &command_phantom,
                                                  &command_devices, &command_device_sim,
                                                  &command_live,
                                                  &command_session,

@@ -5,6 +5,7 @@
 #include <getopt.h>
 #include <limits.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +14,7 @@
 #define LONG_BASE 256 /* getopt's value of row i is LONG_BASE + i: beyond every letter */
 #define HELP_COLUMN 26
 #define HELP_WIDTH 96
+#define WORDS_SIZE 128 /* of an option's two words */
 
 static int refuse_empty(const struct option_row *row, placido_error *err) {
   return placido_error_set(err, STATUS_USAGE, "--%s: its value is empty (%s)", row->name,
@@ -74,8 +76,26 @@ int parse_text(void *field, const struct option_row *row, const char *text, plac
   return PLACIDO_OK;
 }
 
+/* A number, or the word that stands for one. */
+static int read_item(double *value, char **end, const struct option_row *row, const char *text,
+                     const char *at, const struct number_word *word, placido_error *err) {
+  const size_t length = strcspn(at, ",");
+  if (word && length == strlen(word->text) && strncmp(at, word->text, length) == 0) {
+    *value = word->value;
+    *end = (char *)(uintptr_t)(at + length);
+    return PLACIDO_OK;
+  }
+  return read_number(value, end, row, text, at, err);
+}
+
 int parse_tuple(struct number_list *list, const struct option_row *row, const char *text,
                 size_t least, size_t most, placido_error *err) {
+  return parse_tuple_or_word(list, row, text, least, most, NULL, err);
+}
+
+int parse_tuple_or_word(struct number_list *list, const struct option_row *row, const char *text,
+                        size_t least, size_t most, const struct number_word *word,
+                        placido_error *err) {
   list->count = 0;
   if (text[0] == '\0') {
     return refuse_empty(row, err);
@@ -87,7 +107,8 @@ int parse_tuple(struct number_list *list, const struct option_row *row, const ch
       return placido_error_set(err, STATUS_USAGE, "--%s %s: at most %zu number%s (%s)", row->name,
                                text, most, most == 1 ? "" : "s", row->value);
     }
-    const int status = read_number(&list->values[list->count], &end, row, text, next, err);
+    const int status =
+        read_item(&list->values[list->count], &end, row, text, next, word, err);
     if (status != PLACIDO_OK) {
       return status;
     }
@@ -195,6 +216,26 @@ static int take_words(const char **word, struct text_list *more, int argc, char 
   return PLACIDO_OK;
 }
 
+static bool takes_two_words(const struct option_row *row) {
+  return row->value && row->value[0] != '"' && strchr(row->value, ' ');
+}
+
+/* Reads the value of an option that getopt_long has found. The second of two words stands where
+ * getopt would look on; it is not looked for where both came as one. */
+static int parse_value(void *settings, const struct option_row *row, int argc, char **argv,
+                       placido_error *err) {
+  char words[WORDS_SIZE];
+  const char *text = optarg;
+  if (takes_two_words(row) && !strchr(text, ' ') && optind < argc && argv[optind][0] != '-') {
+    const int length = snprintf(words, sizeof words, "%s %s", text, argv[optind++]);
+    if (length < 0 || (size_t)length >= sizeof words) {
+      return placido_error_set(err, STATUS_USAGE, "--%s: %s was expected", row->name, row->value);
+    }
+    text = words;
+  }
+  return row->parse((char *)settings + row->offset, row, text, err);
+}
+
 int options_parse(void *settings, const char **word, struct text_list *more,
                   const struct option_group *const *groups, int argc, char **argv,
                   placido_error *err) {
@@ -209,7 +250,7 @@ int options_parse(void *settings, const char **word, struct text_list *more,
     if (!row) {
       return refuse(&tables, code, argv, err);
     }
-    const int status = row->parse((char *)settings + row->offset, row, optarg, err);
+    const int status = parse_value(settings, row, argc, argv, err);
     if (status != PLACIDO_OK) {
       return status;
     }

@@ -27,7 +27,9 @@ struct text_list {
 struct option_row {
   const char *name;  /* without its dashes */
   char letter;       /* 0 for none */
-  const char *value; /* what the help calls its value; NULL for a switch */
+  const char *value; /* what the help calls its value; NULL for a switch. With a space in it, and
+                        not in quotes: two words, which `parse` gets with one space in between;
+                        `text` then lasts no longer than the call */
   const char *help;  /* meaning, unit and default */
   size_t offset;     /* of the field in struct settings */
   /* Reads `text` into the field; STATUS_USAGE with a sentence where it cannot. */
@@ -58,6 +60,17 @@ int parse_text_more(void *field, const struct option_row *row, const char *text,
 /* A text of exactly `least` to `most` numbers separated by commas. */
 int parse_tuple(struct number_list *list, const struct option_row *row, const char *text,
                 size_t least, size_t most, placido_error *err);
+
+/* A word that may stand in place of a number. */
+struct number_word {
+  const char *text;
+  double value; /* what it is read as, whatever the option's range */
+};
+
+/* The same with that word (NULL: none). */
+int parse_tuple_or_word(struct number_list *list, const struct option_row *row, const char *text,
+                        size_t least, size_t most, const struct number_word *word,
+                        placido_error *err);
 
 /* Reads the command line of a command (argv[0] is its name) into `settings`, by the rows of the
  * groups (NULL-terminated). The first word that is no option goes to *word (NULL: there is none),

@@ -1,6 +1,7 @@
 /* Writes down what was examined, how, how well and how long it took. */
 #include "acquire/cli/record.h"
 
+#include "acquire/cli/plan_json.h"
 #include "base/json.h"
 #include "base/memory.h"
 
@@ -102,7 +103,9 @@ static struct builder build_settings(const struct examination *examination) {
   if (examination->views.scene_count > 0) {
     json_t *pupils = json_array(), *scenes = json_array();
     for (size_t i = 0; i < settings->pupils_mm.count; i++) {
-      append(&builder, pupils, placido_json_real(settings->pupils_mm.values[i]));
+      const double pupil_mm = settings->pupils_mm.values[i];
+      append(&builder, pupils, pupil_mm == PUPIL_AUTO ? json_string("auto")
+                                                      : placido_json_real(pupil_mm));
     }
     for (size_t i = 0; i < examination->views.scene_count; i++) {
       append(&builder, scenes, record_text(examination->views.scenes[i].name));
@@ -121,6 +124,10 @@ static struct builder build_settings(const struct examination *examination) {
     put_asked(&builder, "through_focus_D", settings->rays.through_focus_D);
     put_asked(&builder, "bucket_arcmin", settings->bucket_arcmin);
     put(&builder, "cwhatuc", json_boolean(settings->cwhatuc));
+    put_asked(&builder, "tolerance", settings->plan.tolerance);
+    put_asked(&builder, "age_years", settings->plan.age_years);
+    put(&builder, "iris", json_string(plan_iris_name(settings->plan.iris)));
+    put(&builder, "forced", plan_json_forced(&settings->plan));
   }
   put_integer(&builder, "threads", examination->threads);
   return builder;
@@ -299,6 +306,7 @@ static struct builder build_pupil(const struct view *view, const struct settings
       prescription_spectacles(settings, &view->psf.correction);
   put_real(&builder, "pupil_mm", view->psf.pupil_mm);
   put_text(&builder, "directory", view->directory);
+  put(&builder, "automatic", json_boolean(view->automatic));
   put_real(&builder, "strehl_g", view->psf.strehl_g);
   put_lens(&builder, &cornea);
   put_real(&glasses, "vertex_mm", spectacles.vertex_mm);

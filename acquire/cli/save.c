@@ -83,7 +83,7 @@ static int save_psf_figures(const struct examination *examination, size_t pupil,
                             const char *path, placido_error *err) {
   (void)b;
   const struct view *view = &examination->views.items[pupil];
-  return placido_psf_save_json(&view->psf, view->seconds, path, err);
+  return placido_psf_save_json(&view->psf, views_first_plan(view), view->seconds, path, err);
 }
 
 static int save_focus(const struct examination *examination, size_t pupil, size_t b,
@@ -102,8 +102,13 @@ static int save_acuity(const struct examination *examination, size_t pupil, size
 static int save_scene(const struct examination *examination, size_t pupil, size_t scene,
                       const char *path, placido_error *err) {
   const struct views *views = &examination->views;
-  return placido_image_save_png_bits(&views->items[pupil].seen[scene], views->scenes[scene].bits,
-                                     path, err);
+  return placido_image_save_png_bits(&views->items[pupil].sights[scene].image,
+                                     views->scenes[scene].bits, path, err);
+}
+
+static int save_plan(const struct examination *examination, size_t pupil, size_t scene,
+                     const char *path, placido_error *err) {
+  return placido_plan_save(examination->views.items[pupil].sights[scene].plan, path, err);
 }
 
 static void add_measured(struct jobs *jobs, const struct examination *examination) {
@@ -132,8 +137,12 @@ static void add_views(struct jobs *jobs, const struct views *views) {
       jobs_add(jobs, save_acuity, i, 0, "%s/acuity.json", view->directory);
     }
     for (size_t k = 0; k < views->scene_count; k++) {
-      if (view->seen[k].data) {
+      const struct sight *sight = &view->sights[k];
+      if (sight->image.data) {
         jobs_add(jobs, save_scene, i, k, "%s/%s.png", view->directory, views->stems[k]);
+      }
+      if (sight->image.data && sight->plan) {
+        jobs_add(jobs, save_plan, i, k, "%s/%s.plan.json", view->directory, views->stems[k]);
       }
     }
   }

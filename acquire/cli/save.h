@@ -4,7 +4,7 @@
 
 #include "acquire/cli/examination.h"
 
-#define JOBS_MAX 512
+#define JOBS_MAX 1024
 #define JOB_NAME_SIZE 128
 
 /* Writes one file; `a` and `b` say which (a map, a pupil and a scene). */

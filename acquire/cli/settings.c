@@ -122,8 +122,9 @@ static const struct option_row measuring_rows[] = {
 };
 
 static const struct option_row seeing_rows[] = {
-    {"pupils", 0, "MM,MM,...", "Diameters of the simulated pupil, mm (default 2,4,8).",
-     FIELD(pupils_mm), parse_numbers, 0.1, 12},
+    {"pupils", 0, "MM,MM,...", "Diameters of the simulated pupil, mm; \"auto\" among them: what the "
+     "scene's luminance gives, of each scene its own (default 2,4,8).", FIELD(pupils_mm),
+     parse_pupils, 0.1, 12},
     {"scene", 0, "NAME|FILE", "What is looked at: a chart by name or a placido-scene/1 file. May "
      "be given several times (default: tumbling-e).", FIELD(scenes), parse_text_more, 0, 0},
     {"acuity", 0, "TEST,...", "Tests whose acuity is predicted: e (tumbling E), c and c8 (Landolt C in "
@@ -147,19 +148,19 @@ static const struct option_row seeing_rows[] = {
      FIELD(rays.grow), parse_number, 1, 16},
     {"bucket", 0, "ARCMIN", "Width of a bucket of the point spread function, minutes of arc "
      "(default 0.5).", FIELD(bucket_arcmin), parse_number, 0.01, 10},
-    {"diffraction", 0, "NM", "Waves of this length, nm, in place of rays: 555 for green. Below a "
-     "pupil of 3 mm they, not the cornea, set the limit.", FIELD(rays.wavelength_nm),
+    {"diffraction", 0, "NM", "The point spread function by waves of this length, nm, in place of "
+     "rays: 555 for green. Scenes diffract where that would be seen (placido help plan).", FIELD(rays.wavelength_nm),
      parse_number, 300, 1200},
     {"through-focus", 0, "D", "Curves of image quality against a lens of up to so many dioptres "
      "either way (default none).", FIELD(rays.through_focus_D), parse_number, 0.1, 10},
     {"cwhatuc", 0, NULL, "As the program CWhatUC did it: buckets of 2.5 µm, each called half a "
      "minute.", FIELD(cwhatuc), parse_switch, 0, 0},
-    {"double", 0, NULL, "Spread scenes in double precision: twice the time, and less rounding than "
-     "any picture shows.", FIELD(spread.doubles), parse_switch, 0, 0},
-    {"memory", 0, "MB", "Most memory for one tile of a scene and for its point spread function each; "
-     "larger scenes go in tiles (default 1024).", FIELD(spread.memory_MB), parse_number, 1, 1e6},
-    {"wisdom", 0, NULL, "Measure once which transforms are quickest on this machine and keep that in "
-     "the user's cache. Rounding then depends on it.", FIELD(spread.wisdom), parse_switch, 0, 0},
+    {"double", 0, NULL, "With --cwhatuc: spread scenes in double precision, for twice the time. Plans "
+     "choose for themselves.", FIELD(spread.doubles), parse_switch, 0, 0},
+    {"memory", 0, "MB", "With --cwhatuc: most memory for one tile of a scene and for its point spread "
+     "function each; larger scenes go in tiles (default 1024).", FIELD(spread.memory_MB), parse_number, 1, 1e6},
+    {"wisdom", 0, NULL, "With --cwhatuc: measure once which transforms are quickest on this machine and "
+     "keep that in the user's cache. Rounding then depends on it.", FIELD(spread.wisdom), parse_switch, 0, 0},
 };
 
 static const struct option_row wavefront_rows[] = {

@@ -7,6 +7,7 @@
 #include "acquire/cli/eye_settings.h"
 #include "acquire/cli/map_settings.h"
 #include "acquire/cli/options.h"
+#include "acquire/cli/plan_settings.h"
 #include "acquire/cli/ray_settings.h"
 #include "acquire/cli/spread_settings.h"
 #include "acquire/cli/take_settings.h"
@@ -40,7 +41,7 @@ struct settings {
   struct compare_settings compare;
 
   /* seeing */
-  struct number_list pupils_mm;
+  struct number_list pupils_mm; /* PUPIL_AUTO among them: what the luminance gives */
   struct text_list scenes;
   bool allow_coarse;
   double index, bucket_arcmin, retina_mm;
@@ -50,6 +51,7 @@ struct settings {
   struct acuity_wish acuity;
   struct eye_settings behind; /* the cornea */
   struct spread_settings spread;
+  struct plan_settings plan;
 
   /* the corneal wavefront */
   struct number_list wavefront_mm, wavefront_centre_mm; /* pupils; x and y */
@@ -116,6 +118,9 @@ extern const struct option_group options_take, options_burst;
 
 /* In iso_settings.c. */
 extern const struct option_group options_iso;
+
+/* In plan_settings.c, and in plan.c. */
+extern const struct option_group options_effects, options_plan;
 
 /* In study_settings.c. */
 extern const struct option_group options_study;

@@ -11,7 +11,8 @@ static int run(const struct settings *settings, struct outcome *outcome, placido
 }
 
 static const struct option_group *const groups[] = {&options_directory, &options_seeing,
-                                                    &options_eye, &options_general, NULL};
+                                                    &options_effects, &options_eye,
+                                                    &options_general, NULL};
 
 const struct command command_simulate = {
     .name = "simulate",
@@ -26,7 +27,9 @@ const struct command command_simulate = {
         "  placido simulate eye.json --axial-length 25.1 --correct none -o seen\n"
         "      and what it sees without one\n"
         "  placido simulate eye.json --axial-length 25.1 --wear \"-2.5 -0.75 90 @12\" -o seen\n"
-        "      and with these spectacles: nothing is searched\n",
+        "      and with these spectacles: nothing is searched\n"
+        "  placido simulate eye.json --scene street --pupils auto --age 70 --iris blue -o seen\n"
+        "      through the pupil that the street's light gives at 70\n",
     .groups = groups,
     .list = views_list_charts,
     .needs_word = "SURFACE.json (placido-surface/1)",

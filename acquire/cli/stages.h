@@ -6,7 +6,7 @@
 
 #include <stddef.h>
 
-#define STAGES_MAX 64
+#define STAGES_MAX 192 /* of every pupil, given or not, its five, and the examination's own */
 
 struct stage {
   char name[32];

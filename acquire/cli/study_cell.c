@@ -178,7 +178,7 @@ static int save_cell(placido_study_cell *cell, const struct study *study, const 
   char path[PLACIDO_PATH_MAX];
   int status = placido_path_join(path, folder, "psf.json", err);
   if (status == PLACIDO_OK) {
-    status = placido_psf_save_json(psf, seconds, path, err);
+    status = placido_psf_save_json(psf, NULL, seconds, path, err);
   }
   if (status == PLACIDO_OK) {
     status = study_draw_psf(psf, folder, err);

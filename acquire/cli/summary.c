@@ -63,7 +63,7 @@ static void print_view(const struct settings *settings, const struct view *view)
   write_lens(cornea, &near);
   write_lens(spectacles, &far);
   const bool same = strcmp(cornea, spectacles) == 0 || isnan(far.sphere_D);
-  say(settings, "pupil %g mm: lens %s%s%s%s, retina at %.3f mm, %s %.4f",
+  say(settings, "pupil %.3g mm: lens %s%s%s%s, retina at %.3f mm, %s %.4f",
       psf->pupil_mm, cornea, same ? "" : " (", same ? "" : spectacles,
       same ? "" : " as spectacles)", psf->retina_mm,
       psf->wavelength_nm > 0 ? "fullest bucket" : "Strehl (geometric)", psf->strehl_g);

@@ -97,7 +97,7 @@ void placido_pupil_free(placido_pupil *pupil);
 
 /* `count` wavelengths of equal steps from first_nm to last_nm with the eye's chromatic difference
  * of focus against focus_nm (Thibos et al., Applied Optics 31, 3594 (1992)) and the weights of
- * luminous efficiency (V, as a Gaussian of wavelength); weights sum to 1. At least 15 for 400 to
+ * photopic luminous efficiency (V of the CIE, 1931); weights sum to 1. At least 15 for 400 to
  * 700 nm: seven are over 10 % off in the Strehl ratio. PLACIDO_OK, PLACIDO_INPUT. */
 int placido_waves_white(placido_wave *waves, size_t count, double first_nm, double last_nm,
                         double focus_nm, placido_error *err);

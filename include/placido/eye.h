@@ -5,6 +5,7 @@
 #include <placido/status.h>
 
 #define PLACIDO_EYE_INDEX 1.3375 /* keratometric: has the cornea's back surface in it */
+#define PLACIDO_EYE_AGE_YEARS 35
 
 /* A thin lens on the cornea, in power-vector form: dioptres, J0 and J45 of its cross-cylinder
  * (Thibos, Wheeler, Horner, Optom. Vis. Sci. 74 (1997) 367). */

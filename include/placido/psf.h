@@ -75,10 +75,13 @@ int placido_psf_new(placido_psf *psf, placido_eye *found, const placido_surface 
                     placido_error *err);
 void placido_psf_free(placido_psf *psf);
 
-/* Writes psf.csv and psf.json (docs/formats.md) by way of temporary names. `seconds` is the time
- * that it took. */
+struct placido_plan;
+
+/* Writes psf.csv and psf.json (docs/formats.md) by way of temporary names. `plan` tells of the
+ * effects for a scene that is seen through this pupil, NULL: none ran. `seconds` is the time that the
+ * PSF took. */
 int placido_psf_save_csv(const placido_psf *psf, const char *path, placido_error *err);
-int placido_psf_save_json(const placido_psf *psf, double seconds, const char *path,
-                          placido_error *err);
+int placido_psf_save_json(const placido_psf *psf, const struct placido_plan *plan, double seconds,
+                          const char *path, placido_error *err);
 
 #endif

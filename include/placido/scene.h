@@ -24,11 +24,11 @@ enum placido_spectrum {
   PLACIDO_SPECTRUM_LINE          /* one wavelength */
 };
 
-/* Under which conditions it is looked at. The geometric simulation follows none of them. */
+/* Under which conditions it is looked at. A PSF follows none of them, a plan (plan.h) all. */
 typedef struct placido_conditions {
   double luminance_cd_m2;    /* of white; NaN: not known */
-  double distance_m;         /* INFINITY: far */
-  char depth_path[1024];     /* file with the distance of every pixel; "": all at distance_m */
+  double distance_m;         /* where the eye looks; INFINITY: far */
+  char depth_path[1024];     /* the file from which depth_D was read; "": none */
   enum placido_spectrum spectrum;
   double wavelength_nm;      /* of PLACIDO_SPECTRUM_LINE, else NaN */
   double tolerance;          /* linear light relative to white that leaving effects out may cost */
@@ -45,6 +45,8 @@ typedef struct placido_scene {
   bool allow_coarse;       /* be seen though its pixels are larger than the PSF's buckets */
   enum placido_resampling resampling;
   placido_conditions conditions;
+  float *depth_D;          /* vergence of every pixel of `image`, its bleed included: 1 / distance in
+                              m, 0: far; NULL: all at conditions.distance_m */
 } placido_scene;
 
 /* Which lines a chart in ETDRS lines has (`sloan`, `landolt`, `e-lines`): from first_logmar down to

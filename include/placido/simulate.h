@@ -9,6 +9,7 @@
 #include <placido/diffraction.h>
 #include <placido/eye.h>
 #include <placido/ghost.h>
+#include <placido/plan.h>
 #include <placido/psf.h>
 #include <placido/quality.h>
 #include <placido/scene.h>

@@ -21,7 +21,10 @@ struct placido_chart {
   void (*draw)(placido_image *image, double arcmin_per_px, const placido_chart *chart,
                const placido_chart_lines *lines);
   double luminance_cd_m2;             /* of white; 0: not known */
-  double distance_m;                  /* 0: far */
+  double distance_m;                  /* where the eye looks; 0: far */
+  enum placido_spectrum spectrum;
+  double (*vergence_D)(double x_arcmin, double y_arcmin); /* of what is seen there, 1 / distance in
+                                         m; NULL: all at distance_m */
 };
 
 /* The charts that this build draws, `*count` rows. */

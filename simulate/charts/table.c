@@ -8,25 +8,33 @@
 #include <math.h>
 #include <string.h>
 
+/* ISO 8596: 80 to 320 cd/m². Pictures in colour are made of a display's primaries. */
+enum { CHART_CD_M2 = 160 };
+
 static const placido_chart charts[] = {
   {"tumbling-e", "tumbling E from 20/160 to 20/10 with an astigmatic fan", 280, 210, 1,
-   PLACIDO_OPTOTYPE_E, placido_draw_tumbling_e, 0, 0},
+   PLACIDO_OPTOTYPE_E, placido_draw_tumbling_e, CHART_CD_M2, 0, PLACIDO_SPECTRUM_DAYLIGHT, NULL},
   {"fan", "astigmatic fan of 24 radial lines, 15 degrees apart", 210, 210, 1, PLACIDO_OPTOTYPE_E,
-   placido_draw_fan, 0, 0},
+   placido_draw_fan, CHART_CD_M2, 0, PLACIDO_SPECTRUM_DAYLIGHT, NULL},
   {"sloan", "Sloan letters in ETDRS lines, 1.0 to -0.3 logMAR", 0, 0, 1, PLACIDO_OPTOTYPE_SLOAN,
-   placido_logmar_draw, 0, 0},
+   placido_logmar_draw, CHART_CD_M2, 0, PLACIDO_SPECTRUM_DAYLIGHT, NULL},
   {"landolt", "Landolt rings in ETDRS lines", 0, 0, 1, PLACIDO_OPTOTYPE_LANDOLT,
-   placido_logmar_draw, 0, 0},
-  {"e-lines", "tumbling E in ETDRS lines", 0, 0, 1, PLACIDO_OPTOTYPE_E, placido_logmar_draw, 0, 0},
+   placido_logmar_draw, CHART_CD_M2, 0, PLACIDO_SPECTRUM_DAYLIGHT, NULL},
+  {"e-lines", "tumbling E in ETDRS lines", 0, 0, 1, PLACIDO_OPTOTYPE_E, placido_logmar_draw,
+   CHART_CD_M2, 0, PLACIDO_SPECTRUM_DAYLIGHT, NULL},
   {"building", "a brick house by day", 360, 270, 3, PLACIDO_OPTOTYPE_E, placido_draw_building,
-   5000, 0},
+   5000, 0, PLACIDO_SPECTRUM_DISPLAY_SRGB, NULL},
   {"street", "a street at night, with headlights", 360, 270, 3, PLACIDO_OPTOTYPE_E,
-   placido_draw_street, 3, 0},
+   placido_draw_street, 3, 0, PLACIDO_SPECTRUM_DISPLAY_SRGB, NULL},
   {"monitor", "windows with text on a screen at 60 cm", 600, 420, 3, PLACIDO_OPTOTYPE_E,
-   placido_draw_monitor, 200, 0.6},
-  {"stars", "a field of stars", 240, 180, 3, PLACIDO_OPTOTYPE_E, placido_draw_stars, 0.005, 0},
+   placido_draw_monitor, 200, 0.6, PLACIDO_SPECTRUM_DISPLAY_SRGB, NULL},
+  {"page", "a page at 33 cm, and houses far behind it through a window", 480, 360, 3,
+   PLACIDO_OPTOTYPE_E, placido_draw_page, 300, 0.33, PLACIDO_SPECTRUM_DISPLAY_SRGB,
+   placido_page_vergence_D},
+  {"stars", "a field of stars", 240, 180, 3, PLACIDO_OPTOTYPE_E, placido_draw_stars, 0.005, 0,
+   PLACIDO_SPECTRUM_DISPLAY_SRGB, NULL},
   {"colours", "patches, letters and bars in colours", 240, 190, 3, PLACIDO_OPTOTYPE_E,
-   placido_draw_colours, 200, 0},
+   placido_draw_colours, 200, 0, PLACIDO_SPECTRUM_DISPLAY_SRGB, NULL},
 };
 
 const placido_chart *placido_chart_table(size_t *count) {

@@ -27,7 +27,12 @@ enum placido_stage {
 };
 
 /* What one effect may need of another: bits. */
-enum { PLACIDO_GIVES_SPECTRUM = 1, PLACIDO_GIVES_PUPIL = 2 };
+enum {
+  PLACIDO_GIVES_SPECTRUM = 1,
+  PLACIDO_GIVES_PUPIL = 2,
+  PLACIDO_GIVES_FIELD = 4,
+  PLACIDO_GIVES_WHOLE_EYE = 8
+};
 
 /* What effects are asked about; everything borrowed. */
 typedef struct placido_question {
@@ -36,9 +41,12 @@ typedef struct placido_question {
   const placido_facts *facts;       /* of the scene */
   const placido_eye *eye;           /* settled, its focus found; for `settle`
                                        as given */
+  enum placido_correct open;        /* what of it was sought: PLACIDO_CORRECT_SPHERE where that was
+                                       only the retina's place or the lens's sphere */
   const placido_sketch_rays *rays;  /* a few rays of that eye */
   double bucket_arcmin;             /* of the seen picture */
   double tolerance;
+  unsigned refused;                 /* what effects that are forced off would give */
 } placido_question;
 
 /* What an effect answers; zeroed before. */

@@ -20,6 +20,7 @@ typedef struct placido_facts {
   int columns, rows;          /* a coarse picture of the mean luminance of its cells */
   double cell_arcmin;
   float luminance[PLACIDO_FACTS_SIDE * PLACIDO_FACTS_SIDE]; /* row by row */
+  float light[3][PLACIDO_FACTS_SIDE * PLACIDO_FACTS_SIDE];  /* the same of each plane */
   float most[PLACIDO_FACTS_SIDE * PLACIDO_FACTS_SIDE];      /* brightest sample in each cell */
   float least[PLACIDO_FACTS_SIDE * PLACIDO_FACTS_SIDE];     /* darkest */
 } placido_facts;

@@ -29,8 +29,10 @@ typedef struct placido_sketch_light {
 
 /* What an effect does to a sketch; what is zero it leaves alone. */
 typedef struct placido_strokes {
-  bool turns, dims;
+  bool turns, dims, varies;
   float angle_x[PLACIDO_SKETCH_RAYS], angle_y[PLACIDO_SKETCH_RAYS]; /* turns: added, arcmin */
+  float half_x[PLACIDO_SKETCH_RAYS], half_y[PLACIDO_SKETCH_RAYS];   /* varies: turns half-way from
+                                                   the picture's middle, where there are none */
   float weight[PLACIDO_SKETCH_RAYS];                                /* dims: factors */
   int lights;                                   /* 1, or one a colour: in place of one wavelength */
   placido_sketch_light light[PLACIDO_LIGHTS_MAX];

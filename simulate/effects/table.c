@@ -4,6 +4,16 @@
 #include <string.h>
 
 static const placido_effect *const effects[] = {
+  &placido_effect_rest_of_eye,
+  &placido_effect_pupil,
+  &placido_effect_stiles_crawford,
+  &placido_effect_longitudinal_chromatic,
+  &placido_effect_transverse_chromatic,
+  &placido_effect_diffraction,
+  &placido_effect_object_distance,
+  &placido_effect_field,
+  &placido_effect_straylight,
+  &placido_effect_receptors,
   NULL,
 };
 

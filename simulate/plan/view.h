@@ -21,7 +21,7 @@ typedef struct placido_light {
 typedef struct placido_layer {
   double defocus_D;      /* more power of the eye than this distance needs */
   placido_image light;   /* its light, weighted by cover; colours only */
-  float *cover;          /* share of each pixel that it covers; NULL: all of it, everywhere */
+  float *cover;          /* share of each pixel that it covers; NULL: whatever nearer ones leave */
 } placido_layer;
 
 /* The view. What effects do not touch is the cornea alone, on the axis, by rays, in one colour, far
@@ -35,6 +35,7 @@ typedef struct placido_view {
 
   /* EYE, PUPIL */
   placido_eye eye;              /* settled */
+  enum placido_correct open;    /* what of it was sought */
   placido_ocular ocular;        /* what is behind the cornea, and how the retina is curved */
   double apodisation_per_mm2;   /* rho of 10^(-rho r²) for a ray's light [0] */
   double apodisation_x_mm, apodisation_y_mm; /* where it peaks, from the corneal axis */
@@ -53,8 +54,9 @@ typedef struct placido_view {
   int nodes;
 
   /* the scene at the PSF's scale, its bleed included */
-  placido_image canvas;
+  placido_image canvas;         /* borrowed: the run frees it */
   int bleed_px;
+  bool holes;                   /* the canvas has alpha other than 1: colours are weighted by it */
   int layer_count;              /* 0: the canvas is all there is, in focus */
   placido_layer *layers;        /* from far to near */
   double core;                  /* share of the light in the traced spread [1]; IMAGE adds the rest */

@@ -7,6 +7,13 @@
 
 #include <fftw3.h>
 
+/* Copies a window with its defaults filled in. PLACIDO_OK or PLACIDO_INPUT. */
+int placido_window_settle(placido_window *settled, const placido_window *window,
+                          placido_error *err);
+
+/* PLACIDO_OK, or PLACIDO_INPUT naming what is out of range. */
+int placido_waves_check(const placido_wave *waves, size_t count, placido_error *err);
+
 /* A pupil whose wavefront goes on beyond the light's edge, so that it can be interpolated there. */
 typedef struct placido_front {
   int n;

@@ -17,7 +17,7 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-static bool lit(const placido_pupil *pupil, int column, int row) {
+bool placido_pupil_lit(const placido_pupil *pupil, int column, int row) {
   double middle = 0.5 * (pupil->n - 1), radius = 0.5 * pupil->pupil_mm / pupil->spacing_mm;
   return hypot(column - middle, row - middle) <= radius;
 }
@@ -26,11 +26,10 @@ static double opd_at(const placido_pupil *pupil, int column, int row) {
   return pupil->opd_um[(size_t)row * (size_t)pupil->n + (size_t)column];
 }
 
-/* Counts the pupil's samples. */
-static void count_samples(placido_psf *psf, const placido_pupil *pupil) {
+void placido_psf_count_samples(placido_psf *psf, const placido_pupil *pupil) {
   for (int row = 0; row < pupil->n; row++) {
     for (int column = 0; column < pupil->n; column++) {
-      bool inside = lit(pupil, column, row);
+      bool inside = placido_pupil_lit(pupil, column, row);
       bool missed = inside && isnan(opd_at(pupil, column, row));
       psf->rays_missed += missed;
       psf->rays_entered += inside && !missed;
@@ -53,7 +52,7 @@ static int find_reach(double *reach_rad, const placido_pupil *pupil, placido_err
       double across = opd_at(pupil, column + 1, row) - opd_at(pupil, column - 1, row);
       double along = opd_at(pupil, column, row + 1) - opd_at(pupil, column, row - 1);
       double slope = fmax(fabs(across), fabs(along)) / (2e3 * pupil->spacing_mm);
-      if (lit(pupil, column, row) && isfinite(across) && isfinite(along)) {
+      if (placido_pupil_lit(pupil, column, row) && isfinite(across) && isfinite(along)) {
         angles[count++] = slope;
       }
     }
@@ -77,7 +76,7 @@ static int choose_buckets(double reach_rad, double bucket_rad, const placido_opt
   return buckets - (buckets % 2 == 0);
 }
 
-static void summarise(placido_psf *psf) {
+void placido_psf_summarise(placido_psf *psf) {
   double sum = 0, most = 0;
   for (size_t i = 0; i < (size_t)psf->n * (size_t)psf->n; i++) {
     sum += psf->values[i];
@@ -125,11 +124,11 @@ int placido_diffraction_fill(placido_psf *psf, const placido_surface *surface,
   psf->correction = eye->correction;
   psf->centre_x_um = 1e3 * fixation_mm[0];
   psf->centre_y_um = 1e3 * fixation_mm[1];
-  count_samples(psf, &pupil);
+  placido_psf_count_samples(psf, &pupil);
   status = spread_light(psf, &pupil, 1e-3 * psf->bucket_um * eye->index / eye->retina_mm, optics,
                         err);
   if (status == PLACIDO_OK) {
-    summarise(psf);
+    placido_psf_summarise(psf);
   }
   placido_pupil_free(&pupil);
   return status;

@@ -8,8 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double all_light = 1125899906842624; /* 2^50: sums in doubles are exact, too */
-static const double outside_max = 0.001;          /* share beyond which the PSF grows */
+static const double outside_max = 0.001; /* share beyond which the PSF grows */
 
 /* What the threads have counted. */
 typedef struct counts {
@@ -174,7 +173,7 @@ int placido_geometric_fill(placido_psf *psf, const placido_surface *surface,
                .centre_x_mm = fixation_mm[0],
                .centre_y_mm = fixation_mm[1]},
     .spread = optics->light == PLACIDO_LIGHT_SPREAD,
-    .unit = all_light};
+    .unit = PLACIDO_TALLY_UNIT};
   describe(psf, eye, optics, &how);
   for (bool grown = false;; grown = true) {
     status = counts_new(&c, optics->threads, how.raster.n, rings_of(optics), err);

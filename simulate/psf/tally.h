@@ -7,6 +7,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* All light, 2^50: sums in doubles are exact, too. */
+#define PLACIDO_TALLY_UNIT 1125899906842624.0
+
 /* Places are counted in buckets from the corner of the first one. */
 typedef struct placido_tally {
   int n;             /* buckets a side, odd */

@@ -1,19 +1,15 @@
 /* White light in wavelengths: what the eye's power and its sensitivity do over the spectrum.
  *
  * Refraction of the chromatic eye: Thibos, Ye, Zhang and Bradley, Applied Optics 31, 3594 (1992),
- * 1.68524 - 633.46 / (wavelength_nm - 214.102) dioptres. Luminous efficiency V as the Gaussian
- * 1.019 exp(-285.4 (wavelength_um - 0.559)²). */
+ * 1.68524 - 633.46 / (wavelength_nm - 214.102) dioptres. */
 #include <placido/diffraction.h>
+
+#include "simulate/spectrum/spectrum.h"
 
 #include <math.h>
 
 double placido_chromatic_defocus(double wavelength_nm, double focus_nm) {
   return 633.46 / (wavelength_nm - 214.102) - 633.46 / (focus_nm - 214.102);
-}
-
-static double luminous_efficiency(double wavelength_nm) {
-  double from_peak_um = 1e-3 * wavelength_nm - 0.559;
-  return 1.019 * exp(-285.4 * from_peak_um * from_peak_um);
 }
 
 int placido_waves_white(placido_wave *waves, size_t count, double first_nm, double last_nm,
@@ -32,7 +28,7 @@ int placido_waves_white(placido_wave *waves, size_t count, double first_nm, doub
     double wavelength_nm = first_nm + share * (last_nm - first_nm);
     waves[i] = (placido_wave){
       .wavelength_nm = wavelength_nm,
-      .weight = luminous_efficiency(wavelength_nm),
+      .weight = placido_luminous_efficiency(wavelength_nm),
       .defocus_D = placido_chromatic_defocus(wavelength_nm, focus_nm)};
     sum += waves[i].weight;
   }

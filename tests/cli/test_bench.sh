@@ -13,7 +13,7 @@ compared() {
 }
 
 succeed help bench
-for name in record live reconstruct simulate; do
+for name in record live reconstruct simulate effects; do
   says "^  $name  " out.txt
 done
 for option in $(grep -oE '^  .{4}--[a-z-]+' out.txt | sed 's/.*--//'); do
@@ -47,6 +47,17 @@ compared 'diffraction of a 4 mm pupil, 555 nm' 'transforms of 576×576'
 compared 'the same, 31 wavelengths' 'transforms of 576×576'
 compared 'fit of them to 100,000 values' '36 Zernike terms at 100,000 points'
 compared 'convolution of 500×250×3' 'transforms of 500×250×3'
+
+mkdir grid
+succeed bench effects --quick -o grid
+figure 'tumbling-e: largest difference'
+figure 'tumbling-e: of tiny effects left out'
+figure 'tumbling-e: planning, at most'
+compared 'tumbling-e: planned' 'everything on'
+says '^  tumbling-e: mostly runs ' out.txt
+says '^scene,eye,pupil_mm,tolerance,difference,.*,diffraction_ran,diffraction_bound,diffraction_worth' \
+  grid/effects.csv
+says '^tumbling-e,normal,4,0.01,' grid/effects.csv
 
 succeed bench --quick --json
 json out.txt - load processors benchmarks command exit_code

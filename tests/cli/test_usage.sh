@@ -6,7 +6,7 @@ succeed --version
 says '^placido [0-9]+\.[0-9]+' out.txt
 succeed help
 says '^  exam ' out.txt
-for command in exam reconstruct simulate phantom devices record iso-check import export study; do
+for command in exam reconstruct simulate phantom devices record iso-check import export study plan; do
   succeed help $command
   says "^usage: placido $command " out.txt
   says '^examples' out.txt

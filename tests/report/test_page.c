@@ -292,6 +292,51 @@ static void an_unwritable_directory_is_named(void **state) {
 
 #define SCRATCH_TEST(f) cmocka_unit_test_setup_teardown(f, scratch_setup, scratch_teardown)
 
+/* Of effects the page tells whether they ran, what they are worth and why, as text. */
+static void a_plan_is_a_table_of_every_effect(void **state) {
+  const placido_verdict verdicts[] = {
+      {.name = "straylight", .runs = true, .applies = true, .bound = 0.5, .cost_ms = 3.5,
+       .reason = "a lamp <1000 times> as bright as white"},
+      {.name = "field", .applies = true, .bound = 2e-7, .cost_ms = 40, .reason = "small"},
+      {.name = "receptors", .applies = true, .bound = NAN, .cost_ms = NAN,
+       .force = PLACIDO_FORCE_OFF, .reason = "coarse"},
+  };
+  const placido_report_plan plan = {.verdicts = verdicts,
+                                    .count = 3,
+                                    .tolerance = 0.01,
+                                    .planning_s = 0.00021,
+                                    .predicted_s = NAN,
+                                    .run_s = 0.1};
+  placido_psf psf = fabricate_psf(3);
+  make_picture(state, "a.png");
+  const char *scene_pictures[] = {"a.png"}, *scene_names[] = {"street & houses"};
+  placido_report_pupil pupil = {.psf = &psf,
+                                .automatic = true,
+                                .scene_names = scene_names,
+                                .scene_pictures = scene_pictures,
+                                .scene_count = 1,
+                                .plans = &plan};
+  placido_report report = {.pupils = &pupil, .pupil_count = 1};
+  char *text = write_report(state, &report);
+  assert_int_equal(count(text, "<details class=\"plan\" open>"), 1);
+  assert_non_null(strstr(text, "street &amp; houses: 1 of 3 effects ran, errors at most 0.01 of "
+                               "white; planned in 0.21 ms, took 100 ms</summary>"));
+  assert_non_null(strstr(text, "<th scope=\"row\">straylight</th><td>ran</td>"
+                               "<td class=\"number\">0.50</td><td class=\"number\">3.5</td>"
+                               "<td>a lamp &lt;1000 times&gt; as bright as white</td>"));
+  assert_non_null(strstr(text, "<th scope=\"row\">field</th><td>left out</td>"
+                               "<td class=\"number\">&lt; 0.0001</td>"));
+  assert_non_null(strstr(text, "<td>left out, as asked for</td><td class=\"number\">–</td>"));
+  assert_non_null(strstr(text, "as its scenes&#39; light gives it"));
+  placido_memory_free(text);
+
+  pupil.plans = NULL;
+  text = write_report(state, &report);
+  assert_int_equal(count(text, "<details"), 0);
+  placido_memory_free(text);
+  free(psf.values);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       SCRATCH_TEST(hostile_strings_stay_strings),
@@ -302,6 +347,7 @@ int main(void) {
       SCRATCH_TEST(indices_stand_in_groups),
       SCRATCH_TEST(the_error_budget_adds_up),
       SCRATCH_TEST(the_wavefront_has_a_column_a_pupil),
+      SCRATCH_TEST(a_plan_is_a_table_of_every_effect),
       SCRATCH_TEST(pictures_are_embedded_and_nothing_else_is_referred_to),
       SCRATCH_TEST(the_embedded_picture_is_the_file),
       SCRATCH_TEST(a_missing_picture_is_named_and_nothing_is_left),

@@ -219,7 +219,8 @@ static void test_pictures_say_how_they_are_lit(void **state) {
   assert_true(scene.image.data[0] > 0);
   placido_scene_free(&scene);
   assert_int_equal(placido_scene_draw(&scene, "fan", NULL, 0, NULL), PLACIDO_OK);
-  assert_true(isnan(scene.conditions.luminance_cd_m2) && isinf(scene.conditions.distance_m));
+  assert_true(scene.conditions.luminance_cd_m2 == 160 && isinf(scene.conditions.distance_m));
+  assert_null(scene.depth_D);
   placido_scene_free(&scene);
 }
 
