@@ -224,7 +224,8 @@ static void every_node_spreads_its_share(void **state) {
   }
   assert_true(apart > 0.02); /* else the test would not see which node is where */
   placido_image seen = see(surface, &eye, &scene, three_nodes, 1, NULL);
-  assert_plane_near(&seen, 0, sum, 2e-3); /* centroids of 80 samples across, and of buckets */
+  /* Centroids of 80 samples across and of buckets of 3 arcmin: without them it would be 0.02. */
+  assert_plane_near(&seen, 0, sum, 4e-3);
   placido_image_free(&seen);
   placido_scene_free(&scene);
   placido_surface_free(surface);
