@@ -17,14 +17,20 @@ static void write_seconds(FILE *stream, const char *before, double seconds) {
 
 /* What is read when the table is closed. */
 static void write_summary(FILE *stream, const char *scene, const placido_report_plan *plan) {
+  char promised[PLACIDO_NUMBER_SIZE];
   size_t run = 0;
+  bool forced_off = false;
   for (size_t i = 0; i < plan->count; i++) {
     run += plan->verdicts[i].runs;
+    forced_off |= plan->verdicts[i].force == PLACIDO_FORCE_OFF && plan->verdicts[i].applies;
   }
   fputs("<summary>", stream);
   placido_html_text(stream, scene);
-  placido_html_print(stream, ": %zu of %zu effects ran, errors at most %g of white", run,
-                     plan->count, plan->tolerance);
+  placido_number_significant(promised, sizeof promised, fmin(plan->promised, 1), 2);
+  placido_html_print(stream,
+                     ": %zu of %zu effects ran; at most %s of white is wrong%s, tolerance %g", run,
+                     plan->count, promised, forced_off ? " beside what was forced off" : "",
+                     plan->tolerance);
   write_seconds(stream, "; planned in", plan->planning_s);
   write_seconds(stream, ", effects predicted to take", plan->predicted_s);
   write_seconds(stream, ", took", plan->run_s);

@@ -53,7 +53,9 @@ const char placido_page_style[] =
     "  figure, table, tr, .banner, .warnings { break-inside: avoid }\n"
     "  .figures { break-inside: auto }\n"
     "  .figures td, .figures th { padding-top: .1rem; padding-bottom: .1rem }\n"
-    "  .group { break-after: avoid }\n"    "  .maps img { max-height: 70mm; width: auto }\n"
+    "  .group { break-after: avoid }\n"
+    "  .plan { break-inside: avoid }\n"
+    "  .maps img { max-height: 70mm; width: auto }\n"
     "  .scenes img { max-height: 90mm; width: auto }\n"
     "  .banner, .warnings { print-color-adjust: exact; -webkit-print-color-adjust: exact }\n"
     "}\n";

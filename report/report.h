@@ -82,7 +82,7 @@ typedef struct placido_stage {
 typedef struct placido_report_plan {
   const placido_verdict *verdicts;
   size_t count; /* 0: the picture was not planned */
-  double tolerance;
+  double tolerance, promised; /* of the picture's error: wished for, and what it is at most */
   double planning_s, run_s;
   double predicted_s; /* of the effects that ran, together; NaN: not known */
 } placido_report_plan;

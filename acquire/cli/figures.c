@@ -1,6 +1,7 @@
 /* Which figures an examination has, and the page that shows them. */
 #include "acquire/cli/figures.h"
 
+#include "acquire/cli/plan_json.h"
 #include "base/memory.h"
 #include "report/iso.h"
 #include "report/report.h"
@@ -221,6 +222,7 @@ static placido_report_plan describe_plan(const struct sight *sight, const placid
   if (sight->plan) {
     plan.verdicts = placido_plan_verdicts(sight->plan, &plan.count);
     placido_plan_seconds(sight->plan, &plan.planning_s, &settling_s);
+    plan.promised = plan_json_promised(sight->plan);
   }
   for (size_t i = 0; i < plan.count; i++) {
     plan.predicted_s += plan.verdicts[i].runs ? 1e-3 * plan.verdicts[i].cost_ms : 0;

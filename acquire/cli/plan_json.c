@@ -3,11 +3,21 @@
 
 #include "simulate/plan/file.h"
 
+#include <math.h>
+
 int plan_json_append(json_t *list, const placido_plan *plan, placido_error *err) {
   if (json_array_append_new(list, placido_plan_json(plan)) != 0) {
     return placido_error_set(err, PLACIDO_MEMORY, "out of memory while writing a plan");
   }
   return PLACIDO_OK;
+}
+
+double plan_json_promised(const placido_plan *plan) {
+  json_t *root = placido_plan_json(plan);
+  const json_t *promised = json_object_get(root, "promised");
+  const double value = json_is_number(promised) ? json_number_value(promised) : (double)NAN;
+  json_decref(root);
+  return value;
 }
 
 json_t *plan_json_forced(const struct plan_settings *settings) {

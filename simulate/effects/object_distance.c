@@ -16,6 +16,11 @@ static double find_worst(const placido_facts *facts, double response_D) {
   return fabs(near_D) > fabs(far_D) ? near_D : far_D;
 }
 
+/* The smallest: what lies between the nearest and the farthest may be in focus. */
+static double find_best(const placido_facts *facts, double response_D) {
+  return response_D - fmin(fmax(response_D, facts->farthest_D), facts->nearest_D);
+}
+
 static void tell_ability(char *text, size_t size, double focus_D, double age_years) {
   double most_D = placido_accommodation_amplitude_D(age_years);
   double age = age_years > 0 ? age_years : PLACIDO_EYE_AGE_YEARS;
@@ -69,6 +74,7 @@ static void ask(const placido_question *question, placido_answer *answer) {
   answer->applies = fabs(worst_D) > same_D;
   if (answer->applies) {
     answer->strokes->defocus_D = worst_D;
+    answer->strokes->relief_D = find_best(facts, response_D) - worst_D;
     answer->cost_ms = estimate_cost_ms(question);
   }
 }

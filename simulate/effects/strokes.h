@@ -38,6 +38,7 @@ typedef struct placido_strokes {
   placido_sketch_light light[PLACIDO_LIGHTS_MAX];
   double shift_x_arcmin, shift_y_arcmin;        /* of a wave, per dioptre of its defocus_D */
   double defocus_D;                             /* of the part of the scene that is worst off */
+  double relief_D;                              /* added to that: the part that is best off */
   bool waves;                                   /* light diffracts */
   double aperture_arcmin;                       /* light is averaged over a square of this width */
 } placido_strokes;

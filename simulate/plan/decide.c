@@ -23,9 +23,16 @@ static void renew(placido_deliberation *d) {
   d->drawn = false;
 }
 
+void placido_plan_relieve(placido_strokes *strokes) {
+  strokes->defocus_D += strokes->relief_D;
+  strokes->relief_D = 0;
+}
+
 const placido_sketch_otf *placido_plan_transfer(placido_deliberation *d) {
   if (!d->drawn) {
-    placido_sketch_transfer(&d->otf, &d->sketch, &d->set);
+    placido_strokes best = d->set;
+    placido_plan_relieve(&best);
+    placido_sketch_transfer(&d->otf, &d->sketch, &best);
     d->drawn = true;
   }
   return &d->otf;
@@ -37,18 +44,26 @@ static bool draws(const placido_strokes *strokes) {
          strokes->defocus_D != 0 || strokes->aperture_arcmin > 0;
 }
 
+/* What sets parts of the scene apart is looked at where that is worst, all else where it is best: what
+ * is sharp shows most. */
 double placido_plan_bound_of(placido_deliberation *d, size_t index) {
   const placido_strokes *strokes = &d->strokes[index];
   const double own = d->answers[index].bound;
   if (!draws(strokes)) {
     return fmin(own, 1);
   }
-  placido_sketch_otf other;
+  placido_sketch_otf worst, other;
+  const placido_sketch_otf *before = &worst;
   placido_strokes changed;
   join(d, &changed, index);
+  if (strokes->relief_D != 0) {
+    placido_sketch_transfer(&worst, &d->sketch, &d->set);
+  } else {
+    before = placido_plan_transfer(d);
+    placido_plan_relieve(&changed);
+  }
   placido_sketch_transfer(&other, &d->sketch, &changed);
-  double seen =
-    placido_sketch_bound(placido_plan_transfer(d), &other, &d->plan->facts, &d->scale);
+  double seen = placido_sketch_bound(before, &other, &d->plan->facts, &d->scale);
   return fmin(seen + own, 1);
 }
 

@@ -71,7 +71,11 @@ int placido_plan_decide(placido_deliberation *d, placido_error *err);
  * shows, and the effect's own bound. */
 double placido_plan_bound_of(placido_deliberation *d, size_t index);
 
-/* The transfer function of the set that runs. Borrowed, until the set changes. */
+/* The part of the scene that is best in focus, in place of the one that is worst off. */
+void placido_plan_relieve(placido_strokes *strokes);
+
+/* The transfer function of the set that runs, where focus is best. Borrowed, until the set
+ * changes. */
 const placido_sketch_otf *placido_plan_transfer(placido_deliberation *d);
 
 /* Chooses the plan's settings for the set that runs. */

@@ -107,6 +107,7 @@ static double wavelengths_error(placido_deliberation *d, int wavelengths) {
   }
   if (d->one_wave < 0) {
     placido_strokes one = d->set;
+    placido_plan_relieve(&one);
     placido_sketch_otf single;
     for (int light = 0; light < one.lights; light++) {
       placido_wave mean = {.weight = 0};
@@ -126,42 +127,6 @@ static double wavelengths_error(placido_deliberation *d, int wavelengths) {
   return apart / wavelengths / wavelengths;
 }
 
-/* Layers. What is farthest from its layer is out of focus by half a layer's depth. */
-static double layers_error(placido_deliberation *d, int layers) {
-  double depth_D = d->plan->facts.nearest_D - d->plan->facts.farthest_D;
-  placido_strokes focused = d->set, off = d->set;
-  if (!(depth_D > 0) || d->set.defocus_D == 0) {
-    return 0;
-  }
-  focused.defocus_D = 0;
-  off.defocus_D = depth_D / 2 / layers;
-  placido_sketch_otf before, after;
-  placido_sketch_transfer(&before, &d->sketch, &focused);
-  placido_sketch_transfer(&after, &d->sketch, &off);
-  return placido_sketch_bound(&before, &after, &d->plan->facts, &d->scale);
-}
-
-/* Nodes. Half-way between two of them the spread is the mean of theirs: with three a side, half-way
- * from the middle to the corner. What that misses falls with the square of the way between nodes. */
-static bool varies(const placido_deliberation *d, size_t index) {
-  return d->running[index] && d->strokes[index].varies;
-}
-
-/* Half-way, or in the middle, in place of where the strokes have their turns. */
-static void transfer_nearer(placido_sketch_otf *otf, const placido_deliberation *d, bool half) {
-  placido_strokes there = d->set;
-  for (size_t i = 0; i < d->plan->effects.count; i++) {
-    const placido_strokes *own = &d->strokes[i];
-    for (int ray = 0; varies(d, i) && ray < d->sketch.rays.count; ray++) {
-      there.angle_x[ray] += (half ? own->half_x[ray] : 0) - own->angle_x[ray];
-      there.angle_y[ray] += (half ? own->half_y[ray] : 0) - own->angle_y[ray];
-    }
-  }
-  there.shift_x_arcmin *= half ? 0.5 : 0; /* of colours, which grow with the field */
-  there.shift_y_arcmin *= half ? 0.5 : 0;
-  placido_sketch_transfer(otf, &d->sketch, &there);
-}
-
 static void average(placido_sketch_otf *otf, const placido_sketch_otf *other) {
   const int count = otf->lights * PLACIDO_SKETCH_DIRECTIONS * PLACIDO_SKETCH_FREQUENCIES;
   float *re = &otf->re[0][0][0], *im = &otf->im[0][0][0];
@@ -174,7 +139,44 @@ static void average(placido_sketch_otf *otf, const placido_sketch_otf *other) {
 /* Such small differences swing to and fro with frequency, where a bound adds them up. Measured
  * against nine nodes a side, regular and ablated corneas and cones, 2 to 7 mm: 0.04 to 0.51 of it is
  * seen. */
-static const double nodes_seen = 0.5;
+static const double swing_seen = 0.5;
+
+/* Layers. Half-way between two of them light is the mean of what either makes of it: what that misses
+ * is most next to the focus. */
+static double layers_error(placido_deliberation *d, int layers) {
+  const double step_D = (d->plan->facts.nearest_D - d->plan->facts.farthest_D) / layers;
+  placido_sketch_otf mean = *placido_plan_transfer(d), next, half;
+  placido_strokes there = d->set;
+  placido_plan_relieve(&there);
+  there.defocus_D += step_D / 2;
+  placido_sketch_transfer(&half, &d->sketch, &there);
+  there.defocus_D += step_D / 2;
+  placido_sketch_transfer(&next, &d->sketch, &there);
+  average(&mean, &next);
+  return swing_seen * placido_sketch_bound(&mean, &half, &d->plan->facts, &d->scale);
+}
+
+/* Nodes. Half-way between two of them the spread is the mean of theirs: with three a side, half-way
+ * from the middle to the corner. What that misses falls with the square of the way between nodes. */
+static bool varies(const placido_deliberation *d, size_t index) {
+  return d->running[index] && d->strokes[index].varies;
+}
+
+/* Half-way, or in the middle, in place of where the strokes have their turns. */
+static void transfer_nearer(placido_sketch_otf *otf, const placido_deliberation *d, bool half) {
+  placido_strokes there = d->set;
+  placido_plan_relieve(&there);
+  for (size_t i = 0; i < d->plan->effects.count; i++) {
+    const placido_strokes *own = &d->strokes[i];
+    for (int ray = 0; varies(d, i) && ray < d->sketch.rays.count; ray++) {
+      there.angle_x[ray] += (half ? own->half_x[ray] : 0) - own->angle_x[ray];
+      there.angle_y[ray] += (half ? own->half_y[ray] : 0) - own->angle_y[ray];
+    }
+  }
+  there.shift_x_arcmin *= half ? 0.5 : 0; /* of colours, which grow with the field */
+  there.shift_y_arcmin *= half ? 0.5 : 0;
+  placido_sketch_transfer(otf, &d->sketch, &there);
+}
 
 static double nodes_error(placido_deliberation *d, int nodes) {
   if (d->three_nodes < 0) {
@@ -184,7 +186,7 @@ static double nodes_error(placido_deliberation *d, int nodes) {
     average(&mean, &middle);
     d->three_nodes = placido_sketch_bound(&mean, &half, &d->plan->facts, &d->scale);
   }
-  return nodes_seen * d->three_nodes * 4 / ((nodes - 1) * (nodes - 1));
+  return swing_seen * d->three_nodes * 4 / ((nodes - 1) * (nodes - 1));
 }
 
 /* Buckets. What rays send beyond them counts as missing, though it is put back evenly. What a pupil
@@ -237,7 +239,7 @@ static bool has_field(const placido_deliberation *d) {
 void placido_plan_settle_settings(placido_deliberation *d) {
   static const int samples[] = {96, 128, 160, 192, 256, 384, 512};
   static const int wavelengths[] = {3, 5, 7, 9, 11, 15, 21, PLACIDO_WAVES_MAX};
-  static const int layers[] = {1, 2, 4, 8, 16, 32};
+  static const int layers[] = {2, 4, 8, 16, 32, 64};
   static const int nodes[] = {3, FINEST_NODES, 7, PLACIDO_NODES_SIDE_MAX};
   static const int buckets[] = {65, 129, 257, 385, 513, 769, 1025};
   static const int precisions[] = {0, 1};

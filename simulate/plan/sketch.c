@@ -187,6 +187,7 @@ void placido_strokes_add(placido_strokes *whole, const placido_strokes *part, in
   whole->shift_x_arcmin += part->shift_x_arcmin;
   whole->shift_y_arcmin += part->shift_y_arcmin;
   whole->defocus_D += part->defocus_D;
+  whole->relief_D += part->relief_D;
   whole->waves = whole->waves || part->waves;
   whole->aperture_arcmin = hypot(whole->aperture_arcmin, part->aperture_arcmin);
 }

@@ -304,6 +304,7 @@ static void a_plan_is_a_table_of_every_effect(void **state) {
   const placido_report_plan plan = {.verdicts = verdicts,
                                     .count = 3,
                                     .tolerance = 0.01,
+                                    .promised = 0.0042,
                                     .planning_s = 0.00021,
                                     .predicted_s = NAN,
                                     .run_s = 0.1};
@@ -319,8 +320,9 @@ static void a_plan_is_a_table_of_every_effect(void **state) {
   placido_report report = {.pupils = &pupil, .pupil_count = 1};
   char *text = write_report(state, &report);
   assert_int_equal(count(text, "<details class=\"plan\" open>"), 1);
-  assert_non_null(strstr(text, "street &amp; houses: 1 of 3 effects ran, errors at most 0.01 of "
-                               "white; planned in 0.21 ms, took 100 ms</summary>"));
+  assert_non_null(strstr(text, "street &amp; houses: 1 of 3 effects ran; at most 0.0042 of white "
+                               "is wrong beside what was forced off, tolerance 0.01; planned in "
+                               "0.21 ms, took 100 ms</summary>"));
   assert_non_null(strstr(text, "<th scope=\"row\">straylight</th><td>ran</td>"
                                "<td class=\"number\">0.50</td><td class=\"number\">3.5</td>"
                                "<td>a lamp &lt;1000 times&gt; as bright as white</td>"));

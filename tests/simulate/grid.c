@@ -17,7 +17,7 @@ const char *const grid_eyes[GRID_EYES] = {"normal",     "astigmatic", "keratocon
                                           "post-lasik", "perfect",    "post-graft"};
 
 /* Where the part lies that is looked at, as shares of what is seen. */
-static const double middles[GRID_SCENES][2] = {{0.5, 0.5},  {0.5, 0.5}, {0.42, 0.76}, {0.44, 0.46},
+static const double middles[GRID_SCENES][2] = {{0.5, 0.5},  {0.5, 0.5}, {0.42, 0.76}, {0.5, 0.5},
                                                {0.5, 0.46}, {0.5, 0.5}, {0.3, 0.66}};
 
 static const placido_part corneas[GRID_EYES][2] = {

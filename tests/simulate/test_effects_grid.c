@@ -6,6 +6,7 @@
  * test shows what that costs. `placido bench effects` has whole scenes, each for all tolerances. */
 #include "grid.h"
 #include "simulate/plan/audit.h"
+#include "simulate/plan/plan.h"
 
 #include <placido/simulate.h>
 
@@ -69,38 +70,42 @@ static placido_image see(const placido_audit *audit, int without) {
   return seen;
 }
 
+/* Everything on, as finely as pictures need it, and as what one effect is worth does. */
+typedef struct sight {
+  placido_audit fine, rough;
+  placido_image everything, roughly;
+  double worth[PLACIDO_EFFECTS_MAX]; /* found when it is asked for */
+} sight;
+
 /* What the whole grid comes to. */
 typedef struct tally {
   int cells, unsafe, tiny, tiny_left;
   double worst; /* largest difference, in tolerances */
 } tally;
 
-/* What effect number `index` is worth; found once. */
-static double worth_of(double *worth, const placido_audit *audit, const placido_image *everything,
-                       size_t index) {
-  if (isnan(*worth)) {
-    placido_image seen = see(audit, (int)index);
-    *worth = placido_audit_difference(everything, &seen);
+static double worth_of(sight *s, size_t index) {
+  if (isnan(s->worth[index])) {
+    placido_image seen = see(&s->rough, (int)index);
+    s->worth[index] = placido_audit_difference(&s->roughly, &seen);
     placido_image_free(&seen);
   }
-  return *worth;
+  return s->worth[index];
 }
 
-/* Counts those worth next to nothing. What was left out for less than that certainly is; of what
- * runs it is looked. What was left out for more is not counted: nor would it hurt. */
-static void count_tiny(tally *t, double worth[PLACIDO_EFFECTS_MAX], const placido_audit *audit,
-                       const placido_image *everything, const placido_plan *plan,
-                       double tolerance) {
+/* Counts those worth next to nothing. What was left out for less than that certainly is. */
+static void count_tiny(tally *t, sight *s, const placido_plan *plan, double tolerance) {
+  const double tiny = tiny_share * tolerance;
   size_t count;
   const placido_verdict *verdicts = placido_plan_verdicts(plan, &count);
   for (size_t i = 0; i < count; i++) {
-    if (!verdicts[i].runs) {
-      int left = placido_audit_has(audit, i) && verdicts[i].bound < tiny_share * tolerance;
-      t->tiny += left;
-      t->tiny_left += left;
-    } else if (placido_audit_has(audit, i) &&
-               worth_of(&worth[i], audit, everything, i) < tiny_share * tolerance) {
+    if (placido_audit_has(&s->rough, i) &&
+        ((!verdicts[i].runs && verdicts[i].bound < tiny) || worth_of(s, i) < tiny)) {
       t->tiny++;
+      t->tiny_left += !verdicts[i].runs;
+      if (verdicts[i].runs) {
+        print_message("  %s runs for %g, bounded by %g, at a tolerance of %g\n", verdicts[i].name,
+                      s->worth[i], verdicts[i].bound, tolerance);
+      }
     }
   }
 }
@@ -118,44 +123,57 @@ static void tell(const look *l, double tolerance, double difference, const placi
   print_error("\n");
 }
 
-static void hold(tally *t, const look *l, const placido_audit *rough, const placido_image *roughly,
-                 const placido_image *everything, double worth[PLACIDO_EFFECTS_MAX],
-                 double tolerance) {
-  const placido_plan_wish wish = {.tolerance = tolerance, .bucket_arcmin = arcmin_per_px};
-  placido_plan *plan;
+/* The picture as planned. Where lights are thousands of times as bright as white a plan is as fine as
+ * plans can be, and so is everything on: what is left out is then looked at with what everything has
+ * here. */
+static placido_image see_as_planned(const placido_plan *plan, const placido_audit *everything,
+                                    double tolerance) {
+  placido_plan run = *plan;
   placido_image seen;
   placido_error err = {0};
-  if (placido_plan_new(&plan, l->surface, &l->eye, l->scene, &wish, NULL, &err) != PLACIDO_OK ||
-      placido_plan_run(&seen, NULL, plan, &err) != PLACIDO_OK) {
+  if (run.settings.bound > tolerance) {
+    run.settings = everything->settings;
+  }
+  if (placido_plan_run(&seen, NULL, &run, &err) != PLACIDO_OK) {
+    fail_msg("%s", err.text);
+  }
+  return seen;
+}
+
+static void hold(tally *t, const look *l, sight *s, double tolerance) {
+  const placido_plan_wish wish = {.tolerance = tolerance, .bucket_arcmin = arcmin_per_px};
+  placido_plan *plan;
+  placido_error err = {0};
+  if (placido_plan_new(&plan, l->surface, &l->eye, l->scene, &wish, NULL, &err) != PLACIDO_OK) {
     fail_msg("%s, %g mm: %s", l->name, l->eye.pupil_mm, err.text);
   }
-  double difference = placido_audit_difference(everything, &seen);
+  placido_image seen = see_as_planned(plan, &s->fine, tolerance);
+  double difference = placido_audit_difference(&s->everything, &seen);
   t->worst = fmax(t->worst, difference / tolerance);
   if (!(difference <= tolerance)) {
     t->unsafe++;
     tell(l, tolerance, difference, plan);
   }
-  count_tiny(t, worth, rough, roughly, plan, tolerance);
+  count_tiny(t, s, plan, tolerance);
   placido_image_free(&seen);
   placido_plan_free(plan);
 }
 
-/* What an effect is worth can be seen in fewer wavelengths still. */
 static void look_at(tally *t, const look *l, int grade) {
-  double worth[PLACIDO_EFFECTS_MAX];
-  placido_audit fine = audit_of(l, grade), rough;
+  sight s = {.fine = audit_of(l, grade)};
+  coarsen(&s.fine, l, grade);
+  s.rough = s.fine;
+  placido_audit_coarsen(&s.rough, NODES, 3);
+  s.everything = see(&s.fine, -1);
+  s.roughly = see(&s.rough, -1);
   for (int i = 0; i < PLACIDO_EFFECTS_MAX; i++) {
-    worth[i] = NAN;
+    s.worth[i] = NAN;
   }
-  coarsen(&fine, l, grade);
-  rough = fine;
-  placido_audit_coarsen(&rough, NODES, 3);
-  placido_image everything = see(&fine, -1), roughly = see(&rough, -1);
-  hold(t, l, &rough, &roughly, &everything, worth, grades[grade].tolerance);
+  hold(t, l, &s, grades[grade].tolerance);
   t->cells++;
-  placido_image_free(&roughly);
-  placido_image_free(&everything);
-  placido_audit_free(&fine);
+  placido_image_free(&s.roughly);
+  placido_image_free(&s.everything);
+  placido_audit_free(&s.fine);
 }
 
 static void test_plans_are_safe_and_not_timid(void **state) {
