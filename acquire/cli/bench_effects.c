@@ -143,7 +143,8 @@ static int look_at_scene(struct tally *tally, struct bench_grid *grid, size_t nu
                                     .scene = &scene,
                                     .surface = grid->corneas[i / extent->pupils],
                                     .pupil_mm = pupils_mm[i % extent->pupils],
-                                    .threads = 1};
+                                    .threads = 1,
+                                    .quick = grid->run->settings->quick};
     status = bench_look_at(planned, &look, extent->tolerances, err);
     for (size_t k = 0; k < extent->tolerances && status == PLACIDO_OK; k++) {
       add(tally, bench_tolerances[k], &planned[k]);

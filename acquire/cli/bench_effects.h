@@ -16,6 +16,7 @@ struct bench_look {
   const placido_surface *surface;
   double pupil_mm; /* 0: what the luminance gives */
   int threads;
+  bool quick; /* everything on is coarse, too */
 };
 
 /* A plan for one tolerance. */

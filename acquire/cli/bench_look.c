@@ -12,11 +12,11 @@ static const double fine = 0.003;
 const double bench_tolerances[BENCH_TOLERANCES] = {0.01, 0.003, 0.03};
 
 /* What each effect is worth where all others are on: as coarsely as that may be asked. */
-static int weigh(double worth[PLACIDO_EFFECTS_MAX], const placido_audit *finest,
+static int weigh(double worth[PLACIDO_EFFECTS_MAX], const placido_audit *finest, int wavelengths,
                  placido_error *err) {
   placido_audit rough = *finest;
   placido_image everything;
-  placido_audit_coarsen(&rough, 3, 5);
+  placido_audit_coarsen(&rough, 3, wavelengths);
   int status = placido_audit_see(&everything, &rough, -1, err);
   for (size_t i = 0; i < PLACIDO_EFFECTS_MAX && status == PLACIDO_OK; i++) {
     placido_image seen;
@@ -74,12 +74,15 @@ int bench_look_at(struct bench_planned planned[BENCH_TOLERANCES], const struct b
   int status = placido_audit_new(&audit, look->surface, &eye, look->scene,
                                  look->scene->arcmin_per_px, fine, look->threads, err);
   if (status == PLACIDO_OK) {
+    if (look->quick) {
+      placido_audit_coarsen(&audit, 3, 3);
+    }
     before_s = bench_processor_s();
     status = placido_audit_see(&everything, &audit, -1, err);
     everything_s = bench_processor_s() - before_s;
   }
   if (status == PLACIDO_OK) {
-    status = weigh(worth, &audit, err);
+    status = weigh(worth, &audit, look->quick ? 1 : 5, err);
   }
   for (size_t k = 0; k < count && status == PLACIDO_OK; k++) {
     planned[k] = (struct bench_planned){.everything_s = everything_s};
