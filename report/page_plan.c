@@ -32,7 +32,7 @@ static void write_summary(FILE *stream, const char *scene, const placido_report_
                      plan->count, promised, forced_off ? " beside what was forced off" : "",
                      plan->tolerance);
   write_seconds(stream, "; planned in", plan->planning_s);
-  write_seconds(stream, ", effects predicted to take", plan->predicted_s);
+  write_seconds(stream, ", predicted to take", plan->predicted_s);
   write_seconds(stream, ", took", plan->run_s);
   fputs("</summary>\n", stream);
 }

@@ -84,7 +84,7 @@ typedef struct placido_report_plan {
   size_t count; /* 0: the picture was not planned */
   double tolerance, promised; /* of the picture's error: wished for, and what it is at most */
   double planning_s, run_s;
-  double predicted_s; /* of the effects that ran, together; NaN: not known */
+  double predicted_s; /* of the run on one core; NaN: not known */
 } placido_report_plan;
 
 /* What one pupil gave: file names are relative to the exam directory. */

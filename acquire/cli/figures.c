@@ -223,9 +223,7 @@ static placido_report_plan describe_plan(const struct sight *sight, const placid
     plan.verdicts = placido_plan_verdicts(sight->plan, &plan.count);
     placido_plan_seconds(sight->plan, &plan.planning_s, &settling_s);
     plan.promised = plan_json_promised(sight->plan);
-  }
-  for (size_t i = 0; i < plan.count; i++) {
-    plan.predicted_s += plan.verdicts[i].runs ? 1e-3 * plan.verdicts[i].cost_ms : 0;
+    plan.predicted_s = 1e-3 * placido_plan_settings_of(sight->plan)->cost_ms;
   }
   return plan;
 }

@@ -43,7 +43,7 @@ typedef struct placido_verdict {
   double bound;           /* at most so much of the seen picture, linear light relative to white,
                              would be wrong without it; of what was left out: at that moment,
                              effects left out before it being out */
-  double cost_ms;         /* what it adds to the run, estimated */
+  double cost_ms;         /* what it adds to the run on one core, estimated */
   char reason[192];       /* one sentence */
 } placido_verdict;
 
@@ -58,6 +58,7 @@ typedef struct placido_plan_settings {
   int buckets;            /* of a PSF a side, odd */
   bool doubles;           /* convolved in double precision */
   double bound;           /* of the error that all of this may cause */
+  double cost_ms;         /* of the whole run on one core, estimated */
 } placido_plan_settings;
 
 /* Immutable once made; any number of threads may run it at the same time. */

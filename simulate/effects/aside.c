@@ -1,6 +1,7 @@
 /* The place is found on the coarse picture. What the field does grows at least linearly from the
  * middle outwards, and what is seen of it by no more than the square of that: so the cell where
- * contrast times squared distance is largest stands for all, whichever of the two is true. */
+ * contrast times squared distance is largest stands for all, whichever of the two is true. Were it
+ * linear, cells that are nearer might matter more, by contrast times distance. */
 #include "simulate/effects/aside.h"
 
 #include "simulate/plan/nodes.h"
@@ -29,21 +30,34 @@ static double outer_end(int cell, double cell_arcmin, double bleed_arcmin, doubl
   return fmin(fmax(outer, -half), half);
 }
 
-void placido_aside_deg(double field_deg[2], const placido_question *question) {
+/* What differs most in all of the scene. */
+static double all_contrast(const placido_facts *facts) {
+  double most = facts->brightest[0], least = facts->darkest[0];
+  for (int plane = 1; plane < facts->planes; plane++) {
+    most = fmax(most, facts->brightest[plane]);
+    least = fmin(least, facts->darkest[plane]);
+  }
+  return most - least;
+}
+
+double placido_aside_deg(double field_deg[2], const placido_question *question) {
   const placido_facts *facts = question->facts;
   const double bleed_arcmin = question->scene->bleed_px * question->scene->arcmin_per_px;
-  double most = 0;
+  double squared = 0, linear = 0, way = 0;
   field_deg[0] = field_deg[1] = 0;
   for (int cell = 0; cell < facts->columns * facts->rows; cell++) {
     int column = cell % facts->columns, row = cell / facts->columns;
     double x = outer_end(column, facts->cell_arcmin, bleed_arcmin, 60 * facts->width_deg);
     double y = outer_end(row, facts->cell_arcmin, bleed_arcmin, 60 * facts->height_deg);
-    double matters = contrast(facts, column, row) * (x * x + y * y);
-    if (matters > most) {
-      most = matters;
+    double differs = contrast(facts, column, row), apart = hypot(x, y);
+    linear = fmax(linear, differs * apart);
+    if (differs * apart * apart > squared) {
+      squared = differs * apart * apart;
+      way = apart;
       placido_field_of_px(field_deg, x, y, 1);
     }
   }
+  return squared > 0 ? fmin(linear / way / all_contrast(facts), 1) : 0;
 }
 
 /* How far each ray is seen from where it is in the middle. */

@@ -6,8 +6,9 @@
 #include "simulate/ocular/ocular.h"
 
 /* Direction (ocular.h) of the place off the middle that stands for all others: what turns rays there
- * meets contrast. {0, 0} where no light differs from any other. */
-void placido_aside_deg(double field_deg[2], const placido_question *question);
+ * meets contrast. Returns how much of the scene's contrast that is, or, where nearer places have more
+ * of it, as much as they matter: 0 to 1. {0, 0} and 0 where no light differs from any other. */
+double placido_aside_deg(double field_deg[2], const placido_question *question);
 
 /* What the retina's curve and the footprint on the cornea do to the question's rays there, `ocular`
  * being what is behind the cornea and retina_mm where its retina stands: their turns, arcmin, less

@@ -28,13 +28,11 @@ static double airy_arcmin(double pupil_mm, double wavelength_nm) {
 }
 
 static void ask(const placido_question *question, placido_answer *answer) {
-  const double transform_ms = 10; /* more than rays take, for a window of 257 buckets */
   const double pupil_mm = question->eye->pupil_mm;
   double airy = airy_arcmin(pupil_mm, placido_spectrum_focus_nm(&question->scene->conditions));
   double blur = blur_arcmin(question->rays);
   answer->applies = true;
   answer->strokes->waves = true;
-  answer->cost_ms = transform_ms;
   snprintf(answer->reason, sizeof answer->reason,
            "a point's Airy disc has a radius of %.2f' behind %.1f mm, aberrations alone spread it "
            "over %.2f' (rms)",

@@ -53,7 +53,8 @@ typedef struct placido_question {
 typedef struct placido_answer {
   bool applies;            /* false: nothing to do in this scene and eye; leaving it out is exact */
   double bound;            /* of what its strokes cannot show (light far away, say) [0] */
-  double cost_ms;          /* what it adds to a run */
+  double share;            /* of the scene's contrast that its strokes meet; 0: all of it */
+  double cost_ms;          /* of its own work; what it makes others do more of is the planner's */
   placido_strokes *strokes; /* the caller's, zeroed: what it does to the spread */
   char reason[160];        /* why it matters or why not: one sentence without a full stop */
 } placido_answer;

@@ -8,15 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Nodes beside the middle's, 3 x 3 in all: each has a PSF of its own, and its share of the picture
- * is transformed. Measured on the machine of docs/performance.md. */
-static double cost_ms(const placido_question *question) {
-  const double nodes = 8, psf_ms = 4, sample_ms = 14e-6;
-  double side = 60 / question->bucket_arcmin;
-  double area = question->facts->width_deg * side * question->facts->height_deg * side;
-  return nodes * (psf_ms + sample_ms * area * question->facts->planes);
-}
-
 /* Behind the whole eye, unless that is refused: what leaving that out would change here is its own
  * matter (rest_of_eye.c). */
 static void ask(const placido_question *question, placido_answer *answer) {
@@ -26,14 +17,13 @@ static void ask(const placido_question *question, placido_answer *answer) {
                                             NULL) != PLACIDO_OK) {
     ocular.whole = false;
   }
-  placido_aside_deg(field_deg, question);
+  answer->share = placido_aside_deg(field_deg, question);
   const double half_deg[2] = {field_deg[0] / 2, field_deg[1] / 2};
   placido_aside_turns(answer->strokes->half_x, answer->strokes->half_y, question, &ocular,
                       retina_mm, half_deg);
   double rms_arcmin = placido_aside_turns(answer->strokes->angle_x, answer->strokes->angle_y,
                                           question, &ocular, retina_mm, field_deg);
   answer->strokes->turns = answer->strokes->varies = answer->applies = rms_arcmin > 0;
-  answer->cost_ms = cost_ms(question);
   snprintf(answer->reason, sizeof answer->reason,
            "where that is seen most, %.1f degrees off the middle, rays are seen %.2g' from where "
            "they are in the middle",

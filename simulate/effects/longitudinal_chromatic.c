@@ -8,13 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Waves of all lights beside the one that is there anyway, and their PSFs' transforms. */
-static double cost_ms(const placido_strokes *strokes) {
-  const double psf_ms = 4, transform_ms = 4;
-  return (strokes->lights * PLACIDO_SKETCH_WAVES - 1) * psf_ms +
-         (strokes->lights - 1) * transform_ms;
-}
-
 /* How much the focus differs between the lights' ends, which are wider than their few waves: from
  * the bluest of these to the reddest. */
 static double spread_D(const placido_strokes *strokes) {
@@ -52,7 +45,6 @@ static void ask(const placido_question *question, placido_answer *answer) {
   sketch(answer->strokes, question);
   double differs_D = spread_D(answer->strokes), pupil_mm = question->eye->pupil_mm;
   answer->applies = true;
-  answer->cost_ms = cost_ms(answer->strokes);
   snprintf(answer->reason, sizeof answer->reason,
            "between the light's blue and red the eye's focus differs by %.1f D, which a pupil of "
            "%.1f mm spreads over %.1f'",

@@ -53,18 +53,6 @@ static void tell(placido_answer *answer, const placido_facts *facts, double age_
   }
 }
 
-/* A layer more is a picture more to be spread, and its cover. */
-static double estimate_cost_ms(const placido_question *question) {
-  const double ms_per_sample = 3e-5, step_rad = 2.9e-4; /* steps as Barsky's: a minute of blur */
-  const placido_facts *facts = question->facts;
-  const placido_image *image = &question->scene->image;
-  double finer = question->scene->arcmin_per_px / question->bucket_arcmin;
-  double samples = (double)image->width_px * image->height_px * fmin(finer * finer, 1);
-  double range_D = facts->nearest_D - facts->farthest_D;
-  double steps = fmin(range_D / (step_rad / (question->eye->pupil_mm * 1e-3)), 16);
-  return ms_per_sample * samples * (facts->planes + 1) * ceil(steps);
-}
-
 static void ask(const placido_question *question, placido_answer *answer) {
   const placido_facts *facts = question->facts;
   double age_years = question->eye->age_years;
@@ -75,7 +63,6 @@ static void ask(const placido_question *question, placido_answer *answer) {
   if (answer->applies) {
     answer->strokes->defocus_D = worst_D;
     answer->strokes->relief_D = find_best(facts, response_D) - worst_D;
-    answer->cost_ms = estimate_cost_ms(question);
   }
 }
 

@@ -8,10 +8,12 @@
 #include <stdio.h>
 
 /* The largest shift as far off the middle as matters most: on which side of it that is does not
- * count, as the pupil may be off the axis. */
-static void worst_shift(double shift_mm[2], double place_deg[2], const placido_question *question) {
+ * count, as the pupil may be off the axis. Returns how much of the scene's contrast meets it: what
+ * the pupil's place does is the same everywhere. */
+static double worst_shift(double shift_mm[2], double place_deg[2],
+                          const placido_question *question) {
   const double pupil_mm[2] = {question->eye->pupil_x_mm, question->eye->pupil_y_mm};
-  placido_aside_deg(place_deg, question);
+  const double share = placido_aside_deg(place_deg, question);
   shift_mm[0] = shift_mm[1] = 0;
   for (int side = 0; side < 4; side++) {
     const double field_deg[2] = {side % 2 != 0 ? place_deg[0] : -place_deg[0],
@@ -23,6 +25,7 @@ static void worst_shift(double shift_mm[2], double place_deg[2], const placido_q
       shift_mm[1] = found_mm[1];
     }
   }
+  return pupil_mm[0] == 0 && pupil_mm[1] == 0 ? share : 0;
 }
 
 static void ask(const placido_question *question, placido_answer *answer) {
@@ -33,7 +36,7 @@ static void ask(const placido_question *question, placido_answer *answer) {
              question->scene->conditions.wavelength_nm);
     return;
   }
-  worst_shift(shift_mm, place_deg, question);
+  answer->share = worst_shift(shift_mm, place_deg, question);
   double shift_arcmin = PLACIDO_ARCMIN_PER_D_MM * hypot(shift_mm[0], shift_mm[1]);
   answer->applies = true;
   answer->strokes->shift_x_arcmin = PLACIDO_ARCMIN_PER_D_MM * shift_mm[0];

@@ -64,6 +64,9 @@ double placido_plan_bound_of(placido_deliberation *d, size_t index) {
   }
   placido_sketch_transfer(&other, &d->sketch, &changed);
   double seen = placido_sketch_bound(before, &other, &d->plan->facts, &d->scale);
+  if (seen < 1 && d->answers[index].share > 0) {
+    seen *= d->answers[index].share;
+  }
   return fmin(seen + own, 1);
 }
 

@@ -83,7 +83,8 @@ static json_t *settings_json(const placido_plan_settings *settings) {
                put(object, "buckets", json_integer(settings->buckets)) &&
                put_real(object, "bucket_arcmin", settings->bucket_arcmin) &&
                put(object, "doubles", json_boolean(settings->doubles)) &&
-               put_real(object, "bound", settings->bound);
+               put_real(object, "bound", settings->bound) &&
+               put_real(object, "cost_ms", settings->cost_ms);
   return checked(object, whole);
 }
 

@@ -140,13 +140,14 @@ static void ask(placido_deliberation *d) {
 
 static void tell(placido_deliberation *d) {
   placido_plan *plan = d->plan;
+  plan->settings.cost_ms = placido_plan_cost(d);
   for (size_t i = 0; i < plan->effects.count; i++) {
     placido_verdict *verdict = &plan->verdicts[i];
     verdict->name = plan->effects.rows[i]->name;
     verdict->summary = plan->effects.rows[i]->summary;
     verdict->applies = d->answers[i].applies;
     verdict->force = plan->wish.force[i];
-    verdict->cost_ms = d->answers[i].cost_ms;
+    verdict->cost_ms = placido_plan_cost_of(d, i);
     memcpy(verdict->reason, d->answers[i].reason, sizeof d->answers[i].reason);
   }
 }

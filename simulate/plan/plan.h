@@ -78,6 +78,13 @@ void placido_plan_relieve(placido_strokes *strokes);
  * changes. */
 const placido_sketch_otf *placido_plan_transfer(placido_deliberation *d);
 
+/* What an effect adds to a run of the set, milliseconds on one core: its own work, and the spreads and
+ * layers that there are because of it. After the settings are chosen. */
+double placido_plan_cost_of(const placido_deliberation *d, size_t index);
+
+/* Of the whole run. */
+double placido_plan_cost(const placido_deliberation *d);
+
 /* Chooses the plan's settings for the set that runs. */
 void placido_plan_settle_settings(placido_deliberation *d);
 

@@ -12,7 +12,7 @@ enum { RINGS = PLACIDO_SKETCH_RINGS, SPOKES = 3 * RINGS, NODES = PLACIDO_SKETCH_
 
 static const double pi = 3.14159265358979323846;
 
-double placido_sketch_direction_deg(int index) { return 60 * index; }
+double placido_sketch_direction_deg(int index) { return 45 * index; }
 
 /* The pupil's nodes, and for each the ray that passes it, -1 where none arrives. */
 typedef struct disc {

@@ -12,7 +12,7 @@
 enum {
   PLACIDO_SKETCH_LANES = 16,
   PLACIDO_SKETCH_ROOM = 112,       /* for the rays: whole lanes */
-  PLACIDO_SKETCH_DIRECTIONS = 3,   /* 0, 60 and 120 degrees */
+  PLACIDO_SKETCH_DIRECTIONS = 4,   /* 0, 45, 90 and 135 degrees: pictures have edges along axes */
   PLACIDO_SKETCH_FREQUENCIES = 21, /* half octaves from 0.125 to 128 cycles/degree */
 };
 

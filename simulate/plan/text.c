@@ -115,7 +115,8 @@ static void write_promise(FILE *stream, const placido_plan *plan) {
   print_bound(left_out, plan->left_out);
   print_bound(settings, plan->settings.bound);
   print_bound(sum, promised);
-  fprintf(stream, "\nat most %s of white is wrong: %s by what was left out, %s by how it is "
+  fprintf(stream, "\nabout %.3g s on one core\n", 1e-3 * plan->settings.cost_ms);
+  fprintf(stream, "at most %s of white is wrong: %s by what was left out, %s by how it is "
           "computed; tolerance %g\n", sum, left_out, settings, plan->wish.tolerance);
   if (promised > plan->wish.tolerance) {
     fprintf(stream, "that is more than the tolerance: nothing here computes it more finely\n");

@@ -17,7 +17,7 @@ const char *const grid_eyes[GRID_EYES] = {"normal",     "astigmatic", "keratocon
                                           "post-lasik", "perfect",    "post-graft"};
 
 /* Where the part lies that is looked at, as shares of what is seen. */
-static const double middles[GRID_SCENES][2] = {{0.5, 0.5},  {0.5, 0.5}, {0.42, 0.76}, {0.5, 0.5},
+static const double middles[GRID_SCENES][2] = {{0.5, 0.5},  {0.5, 0.5}, {0.5, 0.5}, {0.5, 0.5},
                                                {0.5, 0.46}, {0.5, 0.5}, {0.3, 0.66}};
 
 static const placido_part corneas[GRID_EYES][2] = {
@@ -47,34 +47,42 @@ placido_surface *grid_cornea(int number) {
   return surface;
 }
 
-/* What is copied, in samples of the picture with its bleed. */
+/* A part of what is seen, in samples of the picture with its bleed. */
 typedef struct region {
   int left, top, width, height;
 } region;
 
-static void copy(float *to, const float *from, int from_width, const region *part) {
-  for (int row = 0; row < part->height; row++) {
-    memcpy(to + (size_t)row * (size_t)part->width,
-           from + (size_t)(part->top + row) * (size_t)from_width + (size_t)part->left,
-           (size_t)part->width * sizeof *to);
+static int between(double value, int least, int most) {
+  return value < least ? least : value > most ? most : (int)value;
+}
+
+/* A plane of the part, its rim continued outwards by the bleed. */
+static void copy(float *to, const float *from, int from_width, const region *part, int bleed) {
+  for (int y = 0; y < part->height + 2 * bleed; y++) {
+    int row = part->top + between(y - bleed, 0, part->height - 1);
+    for (int x = 0; x < part->width + 2 * bleed; x++) {
+      int column = part->left + between(x - bleed, 0, part->width - 1);
+      *to++ = from[(size_t)row * (size_t)from_width + (size_t)column];
+    }
   }
 }
 
-/* Cuts a part with its surroundings out of a scene. */
+/* Cuts a part out of a scene. */
 static void cut(placido_scene *scene, const region *part) {
   placido_image image;
-  const int width = scene->image.width_px;
-  assert_int_equal(placido_image_new(&image, part->width, part->height, scene->image.planes, NULL),
+  const int width = scene->image.width_px, bleed = scene->bleed_px;
+  assert_int_equal(placido_image_new(&image, part->width + 2 * bleed, part->height + 2 * bleed,
+                                     scene->image.planes, NULL),
                    PLACIDO_OK);
   for (int plane = 0; plane < image.planes; plane++) {
     copy(placido_image_plane(&image, plane), placido_image_plane(&scene->image, plane), width,
-         part);
+         part, bleed);
   }
   if (scene->depth_D != NULL) {
-    float *depth_D = placido_memory_new((size_t)part->width, (size_t)part->height * sizeof *depth_D,
-                                        NULL);
+    float *depth_D = placido_memory_new((size_t)image.width_px,
+                                        (size_t)image.height_px * sizeof *depth_D, NULL);
     assert_non_null(depth_D);
-    copy(depth_D, scene->depth_D, width, part);
+    copy(depth_D, scene->depth_D, width, part, bleed);
     placido_memory_free(scene->depth_D);
     scene->depth_D = depth_D;
   }
@@ -96,10 +104,6 @@ static void make_grey(placido_image *image) {
   *image = grey;
 }
 
-static int between(double value, int least, int most) {
-  return value < least ? least : value > most ? most : (int)value;
-}
-
 placido_scene grid_scene(int number, double arcmin_per_px, int side_px) {
   placido_scene scene;
   placido_error err = {0};
@@ -109,9 +113,10 @@ placido_scene grid_scene(int number, double arcmin_per_px, int side_px) {
   int bleed = scene.bleed_px;
   int width = scene.image.width_px - 2 * bleed, height = scene.image.height_px - 2 * bleed;
   int across = side_px < width ? side_px : width, down = side_px < height ? side_px : height;
-  const region part = {between(middles[number][0] * width - across / 2.0, 0, width - across),
-                       between(middles[number][1] * height - down / 2.0, 0, height - down),
-                       across + 2 * bleed, down + 2 * bleed};
+  double left = middles[number][0] * width - across / 2.0;
+  double top = middles[number][1] * height - down / 2.0;
+  const region part = {bleed + between(left, 0, width - across),
+                       bleed + between(top, 0, height - down), across, down};
   cut(&scene, &part);
   if (scene.image.planes >= 3 && strcmp(grid_scenes[number], "colours") != 0) {
     make_grey(&scene.image);

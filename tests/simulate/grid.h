@@ -14,7 +14,7 @@ extern const double grid_pupils_mm[GRID_PUPILS]; /* 0: what the luminance gives 
 placido_surface *grid_cornea(int number);
 
 /* Part of the scene grid_scenes[number], drawn at arcmin_per_px: side_px a side at most, where there
- * is much to be seen, with its surroundings as a bleed. All but "colours" are grey. Free with
+ * is much to be seen, its rim continued outwards as a bleed. All but "colours" are grey. Free with
  * placido_scene_free. */
 placido_scene grid_scene(int number, double arcmin_per_px, int side_px);
 

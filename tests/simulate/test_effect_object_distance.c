@@ -102,7 +102,6 @@ static void test_a_monitor_is_for_the_young(void **state) {
   assert_int_equal(placido_scene_load(&scene, "monitor", 1, NULL, NULL), PLACIDO_OK);
   placido_answer answer = ask(&scene, 35, &strokes);
   assert_false(answer.applies);
-  assert_near(answer.cost_ms, 0, 0);
   assert_non_null(strstr(answer.reason, "0.6 m"));
   answer = ask(&scene, 65, &strokes);
   assert_true(answer.applies);
@@ -129,7 +128,7 @@ static void test_a_page_before_a_window_is_for_nobody(void **state) {
   placido_strokes strokes;
   assert_int_equal(placido_scene_load(&scene, "page", 1, NULL, NULL), PLACIDO_OK);
   placido_answer answer = ask(&scene, 35, &strokes);
-  assert_true(answer.applies && answer.cost_ms > 0);
+  assert_true(answer.applies);
   assert_near(strokes.defocus_D, 1 / 0.33, 1e-6);
   assert_non_null(strstr(answer.reason, "which the eye can"));
   answer = ask(&scene, 70, &strokes);

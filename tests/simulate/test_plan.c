@@ -152,7 +152,7 @@ static void the_smallest_go_first_while_their_sum_fits(void **state) {
   assert_true(fabs(plan->left_out - 0.006) < 1e-12);
   for (int i = 0; i < FAKES; i++) {
     assert_true(fabs(verdicts[i].bound - fakes[i].bound) < 1e-12);
-    assert_true(verdicts[i].cost_ms == 10 + i && verdicts[i].applies);
+    assert_true(verdicts[i].cost_ms >= 10 + i && verdicts[i].applies);
     assert_int_equal(fakes[i].asked, 1);
   }
   placido_plan_free(plan);
