@@ -98,6 +98,13 @@ static double samples_error(placido_deliberation *d, int samples) {
          width_arcmin(d);
 }
 
+/* What is left of an error that falls with the square of `finer`. Bounds end at white: where light is
+ * far above that, one that has reached it says nothing of how much there is to fall. */
+static double fallen(const placido_deliberation *d, double error, double finer) {
+  bool unknown = error >= 1 && range_of(&d->plan->facts) > 1;
+  return unknown ? 1 : error / (finer * finer);
+}
+
 /* Wavelengths. What too few of them are wrong by falls with the square of how many there are.
  * Measured against 31, corneas of Q -0.26 from 2 to 8 mm and perfect ones: times their square that is
  * half of what one of them is wrong by, and where that is much, 1.6 times its square. */
@@ -124,7 +131,7 @@ static double wavelengths_error(placido_deliberation *d, int wavelengths) {
                                        &d->scale);
   }
   double apart = fmax(0.5 * d->one_wave, 1.6 * d->one_wave * d->one_wave);
-  return apart / wavelengths / wavelengths;
+  return fallen(d, apart, wavelengths);
 }
 
 static void average(placido_sketch_otf *otf, const placido_sketch_otf *other) {
@@ -194,8 +201,8 @@ static double nodes_error(placido_deliberation *d, int nodes) {
   for (size_t i = 0; i < d->plan->effects.count; i++) {
     field += varies(d, i) ? d->plan->verdicts[i].bound : 0;
   }
-  double three = fmax(swing_seen * d->three_nodes, field_seen * field);
-  return three * 4 / ((nodes - 1) * (nodes - 1));
+  double seen = d->three_nodes >= 1 ? d->three_nodes : swing_seen * d->three_nodes;
+  return fallen(d, fmax(seen, field_seen * field), (nodes - 1) / 2.0);
 }
 
 /* Buckets. What rays send beyond them counts as missing, though it is put back evenly. What a pupil

@@ -54,11 +54,20 @@ static placido_audit audit_of(const look *l, int grade) {
   return audit;
 }
 
-/* Fewer nodes, and wavelengths; a cone needs more nodes. */
+static int lesser(int one, int other) { return one < other ? one : other; }
+
+/* Fewer nodes and wavelengths than at its finest; a cone needs more nodes, one primary's light fewer
+ * wavelengths. At night nothing is ever fine enough for a plan: there some rays and buckets must
+ * do. */
 static void coarsen(placido_audit *audit, const look *l, int grade) {
-  bool cone = strcmp(l->name, "keratoconus") == 0;
+  const bool cone = strcmp(l->name, "keratoconus") == 0;
+  const bool white = l->scene->image.planes == 1;
+  const int wavelengths = grades[grade].wavelengths;
+  placido_plan_settings *settings = &audit->settings;
   placido_audit_coarsen(audit, cone && grade == TOLERANCES - 1 ? NODES + 2 : NODES,
-                        grades[grade].wavelengths);
+                        white ? wavelengths : (wavelengths + 1) / 2);
+  settings->pupil_samples = lesser(settings->pupil_samples, 160);
+  settings->buckets = lesser(settings->buckets, 257);
 }
 
 static placido_image see(const placido_audit *audit, int without) {
@@ -123,15 +132,14 @@ static void tell(const look *l, double tolerance, double difference, const placi
   print_error("\n");
 }
 
-/* The picture as planned. Where lights are thousands of times as bright as white a plan is as fine as
- * plans can be, and so is everything on: what is left out is then looked at with what everything has
- * here. */
-static placido_image see_as_planned(const placido_plan *plan, const placido_audit *everything,
-                                    double tolerance) {
+/* The picture as planned. Where lights are brighter than white, thousands of times perhaps, pictures
+ * need more wavelengths than everything on can have here: there what is left out is looked at with
+ * the same settings for both. */
+static placido_image see_as_planned(const placido_plan *plan, const placido_audit *everything) {
   placido_plan run = *plan;
   placido_image seen;
   placido_error err = {0};
-  if (run.settings.bound > tolerance) {
+  if (plan->facts.brightest[0] > 1) {
     run.settings = everything->settings;
   }
   if (placido_plan_run(&seen, NULL, &run, &err) != PLACIDO_OK) {
@@ -147,7 +155,7 @@ static void hold(tally *t, const look *l, sight *s, double tolerance) {
   if (placido_plan_new(&plan, l->surface, &l->eye, l->scene, &wish, NULL, &err) != PLACIDO_OK) {
     fail_msg("%s, %g mm: %s", l->name, l->eye.pupil_mm, err.text);
   }
-  placido_image seen = see_as_planned(plan, &s->fine, tolerance);
+  placido_image seen = see_as_planned(plan, &s->fine);
   double difference = placido_audit_difference(&s->everything, &seen);
   t->worst = fmax(t->worst, difference / tolerance);
   if (!(difference <= tolerance)) {
@@ -194,7 +202,8 @@ static void test_plans_are_safe_and_not_timid(void **state) {
                 scene.name, t.cells, t.worst, t.tiny_left, t.tiny);
   placido_scene_free(&scene);
   assert_int_equal(t.unsafe, 0);
-  assert_true(t.tiny_left >= 0.8 * t.tiny);
+  /* At night three or four effects of all cells are tiny, as lights are thousands of times white. */
+  assert_true(t.tiny - t.tiny_left <= fmax(0.2 * t.tiny, 4));
 }
 
 /* Everything as it is seen here against everything at its finest: within half of the tolerance. */
