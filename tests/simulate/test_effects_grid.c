@@ -16,6 +16,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #ifdef __SANITIZE_ADDRESS__
@@ -89,6 +90,7 @@ typedef struct sight {
 /* What the whole grid comes to. */
 typedef struct tally {
   int cells, unsafe, tiny, tiny_left;
+  bool night;   /* lights far above white */
   double worst; /* largest difference, in tolerances */
 } tally;
 
@@ -178,6 +180,7 @@ static void look_at(tally *t, const look *l, int grade) {
     s.worth[i] = NAN;
   }
   hold(t, l, &s, grades[grade].tolerance);
+  t->night = s.fine.everything->facts.brightest[0] > 10;
   t->cells++;
   placido_image_free(&s.roughly);
   placido_image_free(&s.everything);
@@ -202,33 +205,35 @@ static void test_plans_are_safe_and_not_timid(void **state) {
                 scene.name, t.cells, t.worst, t.tiny_left, t.tiny);
   placido_scene_free(&scene);
   assert_int_equal(t.unsafe, 0);
-  /* At night three or four effects of all cells are tiny, as lights are thousands of times white. */
-  assert_true(t.tiny - t.tiny_left <= fmax(0.2 * t.tiny, 4));
+  /* At night three or four effects of all cells are tiny, as in part of the grid: too few to be a
+   * share of. */
+  const double few = t.night || t.cells < GRID_EYES * GRID_PUPILS ? 4 : 0;
+  assert_true(t.tiny - t.tiny_left <= fmax(0.2 * t.tiny, few));
 }
 
 /* Everything as it is seen here against everything at its finest: within half of the tolerance. */
 static void test_everything_is_seen_finely_enough(void **state) {
   (void)state;
-  const int eyes[] = {0, 2};
-  for (int i = 0; i < 2; i++) {
-    for (int grade = 0; grade < TOLERANCES; grade++) {
-      placido_scene scene = grid_scene(0, arcmin_per_px, SIDE_PX);
-      placido_surface *surface = grid_cornea(eyes[i]);
-      const look l = {grid_eyes[eyes[i]], &scene, surface,
-                      {.pupil_mm = 4, .correct = PLACIDO_CORRECT_FULL}};
-      placido_audit audit = audit_of(&l, TOLERANCES - 1);
-      placido_image finest = see(&audit, -1);
+  const int eyes[] = {0, 2}; /* regular, a cone */
+  for (int i = 0; i < EYES / 2 && i < 2; i++) {
+    placido_scene scene = grid_scene(0, arcmin_per_px, SIDE_PX);
+    placido_surface *surface = grid_cornea(eyes[i]);
+    const look l = {grid_eyes[eyes[i]], &scene, surface,
+                    {.pupil_mm = 4, .correct = PLACIDO_CORRECT_FULL}};
+    placido_audit audit = audit_of(&l, TOLERANCES - 1);
+    placido_image finest = see(&audit, -1);
+    for (int grade = TOLERANCES - 1; grade >= 0; grade--) { /* coarser each time */
       coarsen(&audit, &l, grade);
       placido_image coarser = see(&audit, -1);
       double difference = placido_audit_difference(&finest, &coarser);
       print_message("%s: %g for %g\n", l.name, difference, grades[grade].tolerance);
       assert_true(difference < grades[grade].tolerance / 2);
       placido_image_free(&coarser);
-      placido_image_free(&finest);
-      placido_audit_free(&audit);
-      placido_surface_free(surface);
-      placido_scene_free(&scene);
     }
+    placido_image_free(&finest);
+    placido_audit_free(&audit);
+    placido_surface_free(surface);
+    placido_scene_free(&scene);
   }
 }
 
