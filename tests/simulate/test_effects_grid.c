@@ -65,7 +65,7 @@ static void coarsen(placido_audit *audit, const look *l, int grade) {
   const bool white = l->scene->image.planes == 1;
   const int wavelengths = grades[grade].wavelengths;
   placido_plan_settings *settings = &audit->settings;
-  placido_audit_coarsen(audit, cone && grade == TOLERANCES - 1 ? NODES + 2 : NODES,
+  placido_audit_coarsen(audit, cone && grade == TOLERANCES - 1 ? NODES + 4 : NODES,
                         white ? wavelengths : (wavelengths + 1) / 2);
   settings->pupil_samples = lesser(settings->pupil_samples, 160);
   settings->buckets = lesser(settings->buckets, 257);
