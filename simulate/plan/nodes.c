@@ -1,34 +1,13 @@
-/* Hat functions over the seen picture, and the directions of their tops. */
+/* Places among the nodes, and the directions that these stand for. */
 #include "simulate/plan/nodes.h"
 
 #include "simulate/eye.h"
 
 #include <math.h>
-#include <stddef.h>
 
 double placido_node_place(int at, int size, int bleed_px, int nodes) {
   int last = size - 2 * bleed_px - 1, from = at - bleed_px;
   return last > 0 ? fmin(fmax((double)from, 0), last) * (nodes - 1) / last : 0;
-}
-
-/* A node's share of a sample along one side of the picture. */
-static double hat(int at, int size, int bleed_px, int nodes, int node) {
-  return fmax(1 - fabs(placido_node_place(at, size, bleed_px, nodes) - node), 0);
-}
-
-/* The first row has the columns' shares until it gets its own weights at last. */
-void placido_node_weight(float *weight, int width_px, int height_px, int bleed_px, int nodes,
-                         int node) {
-  for (int column = 0; column < width_px; column++) {
-    weight[column] = (float)hat(column, width_px, bleed_px, nodes, node % nodes);
-  }
-  for (int row = height_px - 1; row >= 0; row--) {
-    float *line = weight + (size_t)row * (size_t)width_px;
-    float share = (float)hat(row, height_px, bleed_px, nodes, node / nodes);
-    for (int column = 0; column < width_px; column++) {
-      line[column] = share * weight[column];
-    }
-  }
 }
 
 void placido_field_of_px(double field_deg[2], double right_px, double down_px,

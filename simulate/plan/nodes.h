@@ -3,18 +3,11 @@
 #ifndef PLACIDO_SIMULATE_NODES_H
 #define PLACIDO_SIMULATE_NODES_H
 
-/* Weights of node number `node` (0 to nodes * nodes - 1, row by row, the first above to the left)
- * for a canvas of width_px * height_px samples, rows outer, that has a rim of bleed_px on every side
- * around what is seen. The outermost nodes stand in the corners of what is seen; on the rim the
- * weights go on as they are where it begins. A pixel's weights of all nodes sum to 1 and change
- * linearly along rows and columns (hat functions). `nodes` is odd; 1: all weights are 1. */
-void placido_node_weight(float *weight, int width_px, int height_px, int bleed_px, int nodes,
-                         int node);
-
 /* Where sample number `at` of a side of the canvas (`size` samples, bleed_px of them at either end)
- * stands among the nodes along it: 0 at the first and before, nodes - 1 at the last and beyond. A
- * node's share along that side is 1 less its distance from that, 0 where it is farther than 1; its
- * weight is the product of both sides' shares. */
+ * stands among the nodes along it, `nodes` of them, odd: 0 at the first and before, nodes - 1 at the
+ * last and beyond; the outermost stand in the corners of what is seen. A node's share along that side
+ * is 1 less its distance from that, 0 where it is farther than 1 (a hat function); its weight is the
+ * product of both sides' shares, and those of all nodes sum to 1. */
 double placido_node_place(int at, int size, int bleed_px, int nodes);
 
 /* The direction from which a node's light comes, degrees in the instrument's frame (ocular.h): what

@@ -113,3 +113,15 @@ moments moments_of(const placido_psf *psf) {
   m.rr = m.rr / m.sum - m.row * m.row;
   return m;
 }
+
+placido_eye settled_eye(const placido_surface *surface, placido_eye eye) {
+  const placido_optics optics = {.samples = 40, .buckets = 33, .grow = 1};
+  placido_eye settled;
+  placido_psf psf;
+  placido_error err = {0};
+  if (placido_psf_new(&psf, &settled, surface, &eye, &optics, NULL, &err) != PLACIDO_OK) {
+    fail_msg("%s", err.text);
+  }
+  placido_psf_free(&psf);
+  return settled;
+}

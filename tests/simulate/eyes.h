@@ -37,4 +37,7 @@ typedef struct moments {
 
 moments moments_of(const placido_psf *psf);
 
+/* The cornea's eye with everything decided. Fails the test where there is no focus. */
+placido_eye settled_eye(const placido_surface *surface, placido_eye eye);
+
 #endif

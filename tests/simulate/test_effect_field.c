@@ -1,5 +1,6 @@
 /* The field against brute force: the light of every lit pixel traced by itself, from the direction
  * in which that pixel stands, with Snell's law and a retina written here. */
+#include "bins.h"
 #include "eyes.h"
 #include "simulate/effects/effect.h"
 #include "simulate/plan/nodes.h"
@@ -197,6 +198,11 @@ static void test_nodes_stand_where_their_light_is_seen(void **state) {
 }
 
 /* Weights sum to 1 everywhere, never step, and are constant on the rim: no seam can be seen. */
+/* Of a sample along one side of the picture. */
+static double share(int at, int size, int bleed_px, int nodes, int node) {
+  return fmax(1 - fabs(placido_node_place(at, size, bleed_px, nodes) - node), 0);
+}
+
 static void test_weights_are_a_partition_without_seams(void **state) {
   (void)state;
   enum { WIDTH = 83, HEIGHT = 61, BLEED = 9 };
@@ -209,7 +215,10 @@ static void test_weights_are_a_partition_without_seams(void **state) {
       sum[i] = 0;
     }
     for (int node = 0; node < nodes * nodes; node++) {
-      placido_node_weight(weight, WIDTH, HEIGHT, BLEED, nodes, node);
+      for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        weight[i] = (float)(share(i % WIDTH, WIDTH, BLEED, nodes, node % nodes) *
+                            share(i / WIDTH, HEIGHT, BLEED, nodes, node / nodes));
+      }
       for (int i = 0; i < WIDTH * HEIGHT; i++) {
         sum[i] += weight[i];
         assert_true(weight[i] >= 0 && weight[i] <= 1);
@@ -288,26 +297,6 @@ static void see_pixel(double *seen, const model *m, int column, int row) {
   }
 }
 
-/* Sums over BIN x BIN pixels, in which 44 x 44 rays a pixel leave little noise. */
-static void bin_up(double binned[BINS * BINS], const double *seen) {
-  for (int i = 0; i < BINS * BINS; i++) {
-    binned[i] = 0;
-  }
-  for (int i = 0; i < SIDE * SIDE; i++) {
-    binned[i / SIDE / BIN * BINS + i % SIDE / BIN] += seen[i];
-  }
-}
-
-/* The light that lies elsewhere, as a share of all. */
-static double misplaced(const double *one, const double *other) {
-  double apart = 0, all = 0;
-  for (int i = 0; i < BINS * BINS; i++) {
-    apart += fabs(one[i] - other[i]) / 2;
-    all += other[i];
-  }
-  return apart / all;
-}
-
 static void see_by_brute_force(double binned[BINS * BINS], const model *m,
                                const placido_scene *scene) {
   double *seen = calloc(SIDE * SIDE, sizeof *seen);
@@ -317,7 +306,7 @@ static void see_by_brute_force(double binned[BINS * BINS], const model *m,
       see_pixel(seen, m, i % SIDE, i / SIDE);
     }
   }
-  bin_up(binned, seen);
+  bin_up(binned, seen, SIDE, BIN);
   free(seen);
 }
 
@@ -343,7 +332,7 @@ static void see_by_nodes(double binned[BINS * BINS], const model *m, const placi
   for (int i = 0; i < SIDE * SIDE; i++) {
     seen[i] = (double)image.data[i];
   }
-  bin_up(binned, seen);
+  bin_up(binned, seen, SIDE, BIN);
   placido_image_free(&image);
   free(seen);
 }
@@ -362,10 +351,10 @@ static void test_nodes_approach_brute_force(void **state) {
   model m = model_of(surface, 4);
   see_by_brute_force(truth, &m, &scene);
   see_by_nodes(seen, &m, &scene, false, 1);
-  double without = misplaced(seen, truth);
+  double without = misplaced(seen, truth, BINS * BINS);
   for (int k = 0; k < STEPS; k++) {
     see_by_nodes(seen, &m, &scene, true, nodes[k]);
-    error[k] = misplaced(seen, truth);
+    error[k] = misplaced(seen, truth, BINS * BINS);
   }
   assert_true(without > 0.05 && error[0] > 0.05); /* so much of the light lies elsewhere */
   assert_true(error[1] < error[0] / 4);

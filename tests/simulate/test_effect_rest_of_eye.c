@@ -1,5 +1,6 @@
 /* The rest of the eye against brute force: the light of every pixel traced through Navarro's
  * surfaces by skew rays (skew.c); and what it answers against the search that it stands for. */
+#include "bins.h"
 #include "eyes.h"
 #include "simulate/effects/effect.h"
 #include "simulate/ocular/navarro.h"
@@ -25,18 +26,6 @@ static const double arcmin_per_px = 0.5;
 static const double arcmin_rad = 3.14159265358979323846 / 10800;
 static const double radius_mm = 7.72, q = -0.2;
 
-static placido_eye settle(const placido_surface *surface, placido_eye eye) {
-  const placido_optics optics = {.samples = 40, .buckets = 33, .grow = 1};
-  placido_eye settled;
-  placido_psf psf;
-  placido_error err = {0};
-  if (placido_psf_new(&psf, &settled, surface, &eye, &optics, NULL, &err) != PLACIDO_OK) {
-    fail_msg("%s", err.text);
-  }
-  placido_psf_free(&psf);
-  return settled;
-}
-
 /* A bright square on black, at a distance. */
 static placido_scene square_at(double distance_m) {
   placido_scene scene = {.name = "square", .arcmin_per_px = arcmin_per_px, .bits = 8};
@@ -54,23 +43,6 @@ static placido_facts facts_of(const placido_scene *scene) {
   placido_facts facts;
   assert_int_equal(placido_facts_find(&facts, scene, NULL), PLACIDO_OK);
   return facts;
-}
-
-/* Sums over BIN x BIN pixels: rays leave little noise there. */
-static void bin_up(double binned[BINS * BINS], const double *seen) {
-  memset(binned, 0, BINS * BINS * sizeof *binned);
-  for (int i = 0; i < SIDE * SIDE; i++) {
-    binned[i / SIDE / BIN * BINS + i % SIDE / BIN] += seen[i];
-  }
-}
-
-static double misplaced(const double *one, const double *other) {
-  double apart = 0, all = 0;
-  for (int i = 0; i < BINS * BINS; i++) {
-    apart += fabs(one[i] - other[i]) / 2;
-    all += other[i];
-  }
-  return apart / all;
 }
 
 /* The square through an eye: rays from a point as near as the eye accommodates, or far away, over
@@ -108,7 +80,7 @@ static void see_by_skew_rays(double binned[BINS * BINS], const skew_eye *eye,
       }
     }
   }
-  bin_up(binned, seen);
+  bin_up(binned, seen, SIDE, BIN);
   double all = 0;
   for (int i = 0; i < BINS * BINS; i++) {
     all += binned[i];
@@ -138,7 +110,7 @@ static void see_by_view(double binned[BINS * BINS], const placido_surface *surfa
   for (int i = 0; i < SIDE * SIDE; i++) {
     seen[i] = (double)image.data[i];
   }
-  bin_up(binned, seen);
+  bin_up(binned, seen, SIDE, BIN);
   placido_image_free(&image);
 }
 
@@ -146,7 +118,7 @@ static void test_brute_force(void **state) {
   (void)state;
   static double truth[BINS * BINS], seen[BINS * BINS], alone[BINS * BINS];
   placido_surface *surface = conic(radius_mm, q);
-  placido_eye eye = settle(surface, (placido_eye){.pupil_mm = 5, .pupil_x_mm = 0.4,
+  placido_eye eye = settled_eye(surface, (placido_eye){.pupil_mm = 5, .pupil_x_mm = 0.4,
                                                   .pupil_y_mm = -0.3});
   eye.age_years = 30;
   for (int i = 0; i < 2; i++) {
@@ -165,8 +137,8 @@ static void test_brute_force(void **state) {
     see_by_view(seen, surface, &scene, &eye, true);
     see_by_view(alone, surface, &scene, &eye, false);
     see_by_skew_rays(truth, &other, &found, focus_D, offset);
-    assert_true(misplaced(seen, truth) < 0.01); /* 6,000 rays in bins of a minute */
-    assert_true(misplaced(alone, truth) > 0.1);
+    assert_true(misplaced(seen, truth, BINS * BINS) < 0.01); /* 6,000 rays in bins of a minute */
+    assert_true(misplaced(alone, truth, BINS * BINS) > 0.1);
     placido_image_free(&scene.image);
   }
   placido_surface_free(surface);
@@ -232,7 +204,7 @@ static void test_answer(void **state) {
   for (int i = 0; i < 5 * 3 * 3; i++) {
     const placido_surface *surface = surfaces[i / 9];
     enum placido_correct open = opens[i % 3];
-    placido_eye eye = settle(surface, (placido_eye){.pupil_mm = 2 + 2 * (i / 3 % 3),
+    placido_eye eye = settled_eye(surface, (placido_eye){.pupil_mm = 2 + 2 * (i / 3 % 3),
                                                     .correct = open});
     const placido_scene scene = {.conditions = {.distance_m = INFINITY}};
     const placido_facts facts = {.planes = 1};
@@ -261,7 +233,7 @@ static void test_answer(void **state) {
 static void test_accommodation(void **state) {
   (void)state;
   placido_surface *surface = conic(radius_mm, q);
-  placido_eye eye = settle(surface, (placido_eye){.pupil_mm = 3});
+  placido_eye eye = settled_eye(surface, (placido_eye){.pupil_mm = 3});
   const struct { double age_years, focus_D, expected_D; } cases[] = {
     {35, 0, 0}, {35, 3, 3}, {35, 9, 8}, {65, 3, 0}, {50, 3, 3}, {50, 4, 3.5}, {10, 14, 10},
   };

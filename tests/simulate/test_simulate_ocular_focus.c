@@ -21,19 +21,6 @@ static const double axis_deg[2] = {0, 0}, no_offset[2] = {0, 0};
 static const double arcmin_rad = 3.14159265358979323846 / 10800;
 static const placido_ocular alone = {0}, whole = {.whole = true};
 
-/* The cornea's eye with everything decided. */
-static placido_eye settle(const placido_surface *surface, placido_eye eye) {
-  const placido_optics optics = {.samples = 40, .buckets = 33, .grow = 1};
-  placido_eye settled;
-  placido_psf psf;
-  placido_error err = {0};
-  if (placido_psf_new(&psf, &settled, surface, &eye, &optics, NULL, &err) != PLACIDO_OK) {
-    fail_msg("%s", err.text);
-  }
-  placido_psf_free(&psf);
-  return settled;
-}
-
 static placido_eye focus(const placido_surface *surface, const placido_eye *eye,
                          enum placido_correct open, const placido_ocular *ocular) {
   placido_eye found;
@@ -101,7 +88,7 @@ static void test_focus(void **state) {
     const placido_surface *surface = surfaces[i / 2];
     const placido_ocular ocular = {.whole = true, .accommodation_D = i % 2 == 0 ? 0 : 3};
     placido_eye eye =
-      settle(surface, (placido_eye){.pupil_mm = 5, .correct = PLACIDO_CORRECT_FULL});
+      settled_eye(surface, (placido_eye){.pupil_mm = 5, .correct = PLACIDO_CORRECT_FULL});
     placido_eye found = focus(surface, &eye, PLACIDO_CORRECT_FULL, &ocular);
     placido_eye start = focus(surface, &eye, PLACIDO_CORRECT_NONE, &ocular);
     double best = gather(surface, &found, &ocular);
@@ -133,7 +120,7 @@ static void test_focus(void **state) {
 static void test_open(void **state) {
   (void)state;
   placido_surface *surface = toric(7.9, 7.5, -0.3, 25);
-  placido_eye eye = settle(surface, (placido_eye){.pupil_mm = 4, .correct = PLACIDO_CORRECT_SPHERE,
+  placido_eye eye = settled_eye(surface, (placido_eye){.pupil_mm = 4, .correct = PLACIDO_CORRECT_SPHERE,
                                                   .correction = {.j0_D = 0.25}});
   placido_eye sphere = focus(surface, &eye, PLACIDO_CORRECT_SPHERE, &whole);
   placido_eye none = focus(surface, &eye, PLACIDO_CORRECT_NONE, &whole);
