@@ -20,7 +20,10 @@ typedef struct placido_fit_options {
                              about 1 % of the fit's time */
   double knot_mm;         /* knot spacing, 0.15 to 2; [0.5, or finer where residuals ask for it] */
   double smoothing;       /* weight of the third-derivative penalty [1000] */
+  int degree;             /* of the spline, 3 or 5 [5] */
   int steps_max;          /* Gauss-Newton steps [40] */
+  double tolerance;       /* a step that moves the points' residuals by less than this share of their
+                             noise is the last one, 1e-6 to 1 [as fine as rounding allows] */
   int threads;            /* [1]; the result does not depend on it */
   const placido_fit *start; /* of the frame before, of the same eye under the same instrument: the
                              fit starts there, which takes a half of the time, and agrees with one
