@@ -10,21 +10,28 @@
 
 #define SIDE_MAX_PX 65536
 #define PIXELS_MAX ((uint64_t)1 << 28) /* a few bytes must not ask for gigabytes */
+/* Deflate makes at most a thousand bytes of one (258 of two bits), which are 8 pixels each at most:
+ * 8256. */
+#define PIXELS_PER_BYTE 10000u
 
 static int refuse(const char *name, const char *reason, placido_error *err) {
   return placido_error_set(err, PLACIDO_INPUT, "%s: %s", placido_text_tail(name), reason);
 }
 
-/* Whether an image of this size may be decoded. */
-static int check_size(uint64_t width, uint64_t height, const char *name, placido_error *err) {
+/* Whether an image of this size may be decoded from a file of so many bytes. */
+static int check_size(uint64_t width, uint64_t height, size_t size, const char *name,
+                      placido_error *err) {
   if (width < 1 || height < 1) {
     return refuse(name, "the image has a width or height of 0", err);
   }
   if (width > SIDE_MAX_PX || height > SIDE_MAX_PX) {
     return refuse(name, "the image is wider or higher than 65536 pixels", err);
   }
-  return width * height > PIXELS_MAX
-             ? refuse(name, "the image has more than 268,435,456 pixels", err)
+  if (width * height > PIXELS_MAX) {
+    return refuse(name, "the image has more than 268,435,456 pixels", err);
+  }
+  return width * height / PIXELS_PER_BYTE > size
+             ? refuse(name, "the image has more pixels than its few bytes can hold", err)
              : PLACIDO_OK;
 }
 
@@ -58,7 +65,7 @@ static int check_png(placido_image_kind *kind, const unsigned char *bytes, size_
   if (size < header + frame + 13 || memcmp(bytes + header + 4, "IHDR", 4) != 0) {
     return refuse(name, "the PNG file has no header", err);
   }
-  const int status = check_size(big_endian(bytes + 16), big_endian(bytes + 20), name, err);
+  const int status = check_size(big_endian(bytes + 16), big_endian(bytes + 20), size, name, err);
   if (status != PLACIDO_OK) {
     return status;
   }
@@ -83,6 +90,11 @@ static int check_png(placido_image_kind *kind, const unsigned char *bytes, size_
   return refuse(name, "the PNG file is cut off", err);
 }
 
+/* Whether a JPEG segment is a frame's header: SOF0 to SOF15 but for DHT, JPG and DAC. */
+static bool is_frame_header(unsigned char marker) {
+  return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+}
+
 /* The segments up to the first scan (a thumbnail with its own end may be among them), and behind it
  * the end of the image. Within a scan, 0xff is never followed by 0xd9. */
 static int check_jpeg(placido_image_kind *kind, const unsigned char *bytes, size_t size,
@@ -96,6 +108,13 @@ static int check_jpeg(placido_image_kind *kind, const unsigned char *bytes, size
     if (step > size - at) {
       break;
     }
+    if (step >= 9 && is_frame_header(bytes[at + 1])) {
+      const uint32_t sides = big_endian(bytes + at + 5); /* lines, then samples a line */
+      const int status = check_size(sides & 0xffff, sides >> 16, size, name, err);
+      if (status != PLACIDO_OK) {
+        return status;
+      }
+    }
     at += step;
   }
   if (size - at >= 4 && bytes[at] == 0xff && bytes[at + 1] == scan) {
@@ -108,45 +127,104 @@ static int check_jpeg(placido_image_kind *kind, const unsigned char *bytes, size
   return refuse(name, "the JPEG file is cut off or damaged", err);
 }
 
-static size_t tiff_number(const unsigned char *bytes, size_t width, bool little) {
-  size_t number = 0;
+/* A TIFF file's first directory, in the layout of TIFF 6.0 or in that of BigTIFF, whose numbers are
+ * wider. */
+typedef struct tiff {
+  const unsigned char *bytes;
+  size_t size, entries, entry_count; /* where the entries begin, and how many there are */
+  bool little, big;
+} tiff;
+
+static uint64_t tiff_number(const tiff *t, size_t at, size_t width) {
+  uint64_t number = 0;
   for (size_t i = 0; i < width; i++) {
-    number = number << 8 | bytes[little ? width - 1 - i : i];
+    number = number << 8 | t->bytes[at + (t->little ? width - 1 - i : i)];
   }
   return number;
 }
 
-/* Whether the first directory says that the extra sample is associated alpha: tag 338, value 1. */
-static bool tiff_multiplied(const unsigned char *bytes, size_t size, size_t directory,
-                            bool little) {
-  const size_t extra_samples = 338, associated = 1, entry_bytes = 12;
-  if (directory > size - 2) {
+/* False where the directory is not wholly within the file. The offset of the next one belongs to it. */
+static bool tiff_open(tiff *t, const unsigned char *bytes, size_t size) {
+  *t = (tiff){.bytes = bytes, .size = size, .little = bytes[0] == 'I'};
+  t->big = bytes[t->little ? 2 : 3] == 43;
+  const size_t head = t->big ? 16 : 8, offset_bytes = t->big ? 8 : 4, count_bytes = t->big ? 8 : 2;
+  if (size < head) {
     return false;
   }
-  size_t count = tiff_number(bytes + directory, 2, little);
-  for (size_t i = 0; i < count; i++) {
-    size_t at = directory + 2 + i * entry_bytes;
-    if (at + entry_bytes > size) {
+  uint64_t directory = tiff_number(t, head - offset_bytes, offset_bytes);
+  if (directory > size || size - directory < count_bytes + offset_bytes) {
+    return false;
+  }
+  t->entries = (size_t)directory + count_bytes;
+  uint64_t count = tiff_number(t, (size_t)directory, count_bytes);
+  t->entry_count = (size_t)count;
+  return count <= (size - t->entries - offset_bytes) / (t->big ? 20 : 12);
+}
+
+/* The numbers of a tag: how many, where, and how wide each is. None where the tag is not there, or
+ * its values are no whole numbers. False where they are not within the file. */
+typedef struct tiff_values {
+  size_t at, width;
+  uint64_t count;
+} tiff_values;
+
+static bool tiff_find(tiff_values *values, const tiff *t, unsigned tag) {
+  static const unsigned char widths[] = {[3] = 2, [4] = 4, [13] = 4, [16] = 8}; /* by type */
+  const size_t entry_bytes = t->big ? 20 : 12, word = t->big ? 8 : 4;
+  *values = (tiff_values){0};
+  for (size_t i = 0; i < t->entry_count; i++) {
+    size_t at = t->entries + i * entry_bytes, type = (size_t)tiff_number(t, at + 2, 2);
+    if (tiff_number(t, at, 2) != tag || type >= sizeof widths || widths[type] == 0) {
+      continue;
+    }
+    uint64_t count = tiff_number(t, at + 4, word), first = at + 4 + word;
+    if (count > word / widths[type]) {
+      first = tiff_number(t, at + 4 + word, word);
+      if (first > t->size || count > (t->size - first) / widths[type]) {
+        return false;
+      }
+    }
+    *values = (tiff_values){.at = (size_t)first, .width = widths[type], .count = count};
+    return true;
+  }
+  return true;
+}
+
+/* The tag's first number; `otherwise` where it has none. */
+static uint64_t tiff_first(const tiff *t, unsigned tag, uint64_t otherwise) {
+  tiff_values values;
+  return tiff_find(&values, t, tag) && values.count > 0 ? tiff_number(t, values.at, values.width)
+                                                        : otherwise;
+}
+
+/* Whether all strips, or tiles, end within the file. */
+static bool tiff_whole(const tiff *t, unsigned offset_tag, unsigned bytes_tag) {
+  tiff_values offsets, counts;
+  if (!tiff_find(&offsets, t, offset_tag) || !tiff_find(&counts, t, bytes_tag)) {
+    return false;
+  }
+  for (uint64_t i = 0; i < offsets.count && i < counts.count; i++) {
+    uint64_t at = tiff_number(t, offsets.at + (size_t)i * offsets.width, offsets.width);
+    uint64_t length = tiff_number(t, counts.at + (size_t)i * counts.width, counts.width);
+    if (at > t->size || length > t->size - at) {
       return false;
     }
-    if (tiff_number(bytes + at, 2, little) == extra_samples) {
-      return tiff_number(bytes + at + 8, 2, little) == associated;
-    }
   }
-  return false;
+  return true;
 }
 
 static int check_tiff(placido_image_kind *kind, const unsigned char *bytes, size_t size,
                       const char *name, placido_error *err) {
+  const unsigned width = 256, height = 257, strip_offsets = 273, strip_bytes = 279,
+                 tile_offsets = 324, tile_bytes = 325, extra_samples = 338, associated = 1;
+  tiff t;
   kind->keeps_own_orientation = true;
-  if (size < 8) {
+  if (!tiff_open(&t, bytes, size) || !tiff_whole(&t, strip_offsets, strip_bytes) ||
+      !tiff_whole(&t, tile_offsets, tile_bytes)) {
     return refuse(name, "the TIFF file is cut off", err);
   }
-  bool little = bytes[0] == 'I';
-  size_t directory = tiff_number(bytes + 4, 4, little);
-  bool classic = bytes[little ? 2 : 3] == 42;
-  kind->multiplied = classic && tiff_multiplied(bytes, size, directory, little);
-  return classic && directory >= size ? refuse(name, "the TIFF file is cut off", err) : PLACIDO_OK;
+  kind->multiplied = tiff_first(&t, extra_samples, 0) == associated;
+  return check_size(tiff_first(&t, width, 0), tiff_first(&t, height, 0), size, name, err);
 }
 
 /* The next number of a PNM header, -1 where there is none; # opens a comment. */
@@ -184,7 +262,7 @@ static int check_pnm(placido_image_kind *kind, const unsigned char *bytes, size_
     return refuse(name, "the PNM file is cut off", err);
   }
   kind->full_scale = bitmap ? 0 : (int)white;
-  return check_size((uint64_t)width, (uint64_t)height, name, err);
+  return check_size((uint64_t)width, (uint64_t)height, size, name, err);
 }
 
 int placido_image_check(placido_image_kind *kind, const unsigned char *bytes, size_t size,

@@ -13,6 +13,7 @@
  * numbers stay far from overflow. */
 #define LENGTH_MAX_MM 1e6
 #define FOCAL_MAX_PX 1e9
+#define DISTORTION_MAX 1e9
 /* Even the limbus (some 2 mm back, sloping at 45 degrees) mirrors nothing from farther behind. */
 #define EDGE_MIN_MM (-10.0)
 
@@ -114,6 +115,23 @@ static int read_principal(placido_instrument *instrument, const placido_json *js
   return status;
 }
 
+/* May be missing: none. */
+static int read_distortion(placido_instrument *instrument, const placido_json *json,
+                           placido_error *err) {
+  const char *path = "camera.distortion";
+  if (!placido_json_find(json, path)) {
+    return PLACIDO_OK;
+  }
+  int status = placido_json_numbers(json, path, instrument->distortion, 5, err);
+  for (int i = 0; !status && i < 5; i++) {
+    if (fabs(instrument->distortion[i]) > DISTORTION_MAX) {
+      status = placido_json_refuse(json, path, err, "%g is over %g", instrument->distortion[i],
+                                   DISTORTION_MAX);
+    }
+  }
+  return status;
+}
+
 static int read_camera(placido_instrument *instrument, const placido_json *json,
                        placido_error *err) {
   int status = read_model(instrument, json, err);
@@ -126,8 +144,8 @@ static int read_camera(placido_instrument *instrument, const placido_json *json,
   if (!status) {
     status = read_principal(instrument, json, err);
   }
-  if (!status && placido_json_find(json, "camera.distortion")) {
-    status = placido_json_numbers(json, "camera.distortion", instrument->distortion, 5, err);
+  if (!status) {
+    status = read_distortion(instrument, json, err);
   }
   if (!status) {
     status = read_position(instrument, json, err);
@@ -226,6 +244,8 @@ int placido_instrument_load(placido_instrument *instrument, const char *path,
   }
   if (!status) {
     warn_unknown(json, notes);
+  } else {
+    *instrument = (placido_instrument){0};
   }
   placido_json_free(json);
   return status;

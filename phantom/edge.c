@@ -61,26 +61,40 @@ static bool bisect(const meridian *m, int edge, double high, placido_phantom_hit
   return outer.on_cornea && outer.band == edge && inner.band == edge - 1;
 }
 
-/* Walks outwards a pixel at a time, first into the circle where the centre lies beyond it. */
-static bool find(const meridian *m, int edge, double *distance_px) {
-  placido_phantom_hit hit = {0}, last = {0};
-  for (double distance = 0; look(m, distance, &hit); distance += 1) {
-    if (is_within(&last, edge) && !is_within(&hit, edge) &&
-        bisect(m, edge, distance, last, hit, distance_px)) {
-      return true;
+/* Bisects for every edge from `first` to `last` that has not been seen nearer to the centre. Returns
+ * how many were seen now. */
+static int see_between(const meridian *m, int first, int last, double high,
+                       const placido_phantom_hit *inner, const placido_phantom_hit *outer,
+                       double (*positions_px)[2]) {
+  int seen = 0;
+  for (int k = first; k <= last; k++) {
+    double distance_px;
+    if (isnan(positions_px[k][0]) && bisect(m, k, high, *inner, *outer, &distance_px)) {
+      point_at(m, distance_px, positions_px[k]);
+      seen++;
     }
-    last = hit;
   }
-  return false;
+  return seen;
 }
 
-bool placido_phantom_edge_at(const placido_surface *surface, const placido_instrument *instrument,
-                             int edge, const double centre_px[2], double meridian_deg,
-                             double position_px[2]) {
-  position_px[0] = position_px[1] = NAN;
-  if (edge < 0 || edge >= instrument->edge_count || !isfinite(meridian_deg)) {
-    return false;
+/* Walks outwards a pixel at a time, first into an edge's circle where the centre lies beyond it,
+ * until the edges from `first` to `last` have been seen. */
+static void find(const meridian *m, int first, int last, double (*positions_px)[2]) {
+  placido_phantom_hit hit = {0}, inner = {0};
+  int left = last - first + 1;
+  for (double distance = 0; left > 0 && look(m, distance, &hit); distance += 1) {
+    if (inner.on_cornea && !is_within(&hit, inner.band + 1)) {
+      int from = inner.band + 1, to = hit.on_cornea ? hit.band : last;
+      left -= see_between(m, from > first ? from : first, to < last ? to : last, distance, &inner,
+                          &hit, positions_px);
+    }
+    inner = hit;
   }
+}
+
+static void see_edges(const placido_surface *surface, const placido_instrument *instrument,
+                      int first, int last, const double centre_px[2], double meridian_deg,
+                      double (*positions_px)[2]) {
   const double still[3] = {0, 0, 0}, radian = meridian_deg / 57.29577951308232;
   placido_phantom_rig rig = placido_phantom_rig_of(surface, instrument, still, NULL);
   meridian m = {
@@ -88,10 +102,31 @@ bool placido_phantom_edge_at(const placido_surface *surface, const placido_instr
       .centre_px = {centre_px[0], centre_px[1]},
       .along = {cos(radian), -sin(radian)},
   };
-  double distance_px;
-  if (!find(&m, edge, &distance_px)) {
+  for (int k = first; k <= last; k++) {
+    positions_px[k][0] = positions_px[k][1] = NAN;
+  }
+  if (isfinite(meridian_deg)) {
+    find(&m, first, last, positions_px);
+  }
+}
+
+bool placido_phantom_edge_at(const placido_surface *surface, const placido_instrument *instrument,
+                             int edge, const double centre_px[2], double meridian_deg,
+                             double position_px[2]) {
+  double positions_px[PLACIDO_EDGES_MAX][2];
+  position_px[0] = position_px[1] = NAN;
+  if (edge < 0 || edge >= instrument->edge_count) {
     return false;
   }
-  point_at(&m, distance_px, position_px);
-  return true;
+  see_edges(surface, instrument, edge, edge, centre_px, meridian_deg, positions_px);
+  position_px[0] = positions_px[edge][0];
+  position_px[1] = positions_px[edge][1];
+  return !isnan(position_px[0]);
+}
+
+void placido_phantom_edges_at(const placido_surface *surface, const placido_instrument *instrument,
+                              const double centre_px[2], double meridian_deg,
+                              double (*positions_px)[2]) {
+  see_edges(surface, instrument, 0, instrument->edge_count - 1, centre_px, meridian_deg,
+            positions_px);
 }

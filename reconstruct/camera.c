@@ -1,6 +1,7 @@
 /* Pinhole and telecentric cameras with OpenCV's five-term distortion, image point to ray. */
 #include "reconstruct/camera.h"
 
+#include <float.h>
 #include <math.h>
 
 /* The distorted coordinates of (x, y) and their Jacobian. Brown's model as in OpenCV's manual of
@@ -17,9 +18,11 @@ static void distort(const double k[5], double x, double y, double out[2], double
   jacobian[1][1] = radial + slope * y * y + 6 * k[2] * y + 2 * k[3] * x;
 }
 
-/* Solves distort(x, y) = target; leaves the inverse of the Jacobian there. */
+/* Solves distort(x, y) = target; leaves the inverse of the Jacobian there. What is left over is then
+ * rounding, and the Jacobian's place the solution's. */
 static void undistort(const double k[5], const double target[2], double xy[2],
                       double inverse[2][2]) {
+  double rounding = 4 * DBL_EPSILON * (fabs(target[0]) + fabs(target[1]));
   xy[0] = target[0];
   xy[1] = target[1];
   for (int step = 0; step < 12; step++) {
@@ -33,7 +36,7 @@ static void undistort(const double k[5], const double target[2], double xy[2],
     double ex = target[0] - at[0], ey = target[1] - at[1];
     xy[0] += inverse[0][0] * ex + inverse[0][1] * ey;
     xy[1] += inverse[1][0] * ex + inverse[1][1] * ey;
-    if (fabs(ex) + fabs(ey) < 1e-15) {
+    if (fabs(ex) + fabs(ey) <= rounding) {
       break;
     }
   }

@@ -15,10 +15,20 @@ static void write_rays(FILE *stream, const placido_psf *psf) {
   placido_html_row(stream, "Rays that landed", text);
 }
 
-static void write_figures(FILE *stream, const placido_psf *psf) {
+/* Ratios are written to three digits, or as far as they are known. */
+static void write_strehl(char *number, size_t size, const placido_report_pupil *pupil) {
+  if (pupil->strehl_g_sigma > 0) {
+    placido_number_measure(number, size, pupil->psf->strehl_g, pupil->strehl_g_sigma);
+  } else {
+    placido_number_significant(number, size, pupil->psf->strehl_g, 3);
+  }
+}
+
+static void write_figures(FILE *stream, const placido_report_pupil *pupil) {
+  const placido_psf *psf = pupil->psf;
   char text[160], number[PLACIDO_NUMBER_SIZE], correction[PLACIDO_CORRECTION_SIZE];
   fputs("<table>\n<tbody>\n", stream);
-  placido_number_significant(number, sizeof number, psf->strehl_g, 3);
+  write_strehl(number, sizeof number, pupil);
   if (psf->wavelength_nm > 0) {
     snprintf(text, sizeof text, "diffraction at %g nm", psf->wavelength_nm);
     placido_html_row(stream, "Light", text);
@@ -110,7 +120,7 @@ static int write_pupil(FILE *stream, const placido_report *report,
   fputs("</h2>\n", stream);
   int status = write_psf(stream, report, pupil, err);
   write_acuities(stream, pupil);
-  write_figures(stream, pupil->psf);
+  write_figures(stream, pupil);
   if (pupil->scene_count > 0) {
     fprintf(stream, "<div class=\"%s\">\n", pupil->scene_count > 1 ? "pair scenes" : "scenes");
     for (size_t k = 0; status == PLACIDO_OK && k < pupil->scene_count; k++) {

@@ -90,6 +90,7 @@ typedef struct placido_report_plan {
 /* What one pupil gave: file names are relative to the exam directory. */
 typedef struct placido_report_pupil {
   const placido_psf *psf;
+  double strehl_g_sigma; /* of its Strehl ratio; 0 or NaN: not known */
   bool automatic; /* the pupil is the one that the scenes' luminance gives */
   const char *psf_picture; /* pupil-4mm/psf.png */
   const char *const *scene_names;

@@ -10,6 +10,9 @@
 #include <math.h>
 #include <string.h>
 
+/* What a pixel may be seen under: from far below what any eye resolves to ten degrees. */
+static const double least_arcmin = 1e-6, most_arcmin = 600;
+
 /* A pixel's size relative to its distance. */
 typedef int read_tangent(double *tangent, const placido_json *json, int width_px,
                          placido_error *err);
@@ -29,7 +32,7 @@ static int read_angle(double *tangent, const placido_json *json, int width_px,
                       placido_error *err) {
   double arcmin;
   (void)width_px;
-  int status = positive(json, "calibration.value", 600, &arcmin, err);
+  int status = positive(json, "calibration.value", most_arcmin, &arcmin, err);
   *tangent = 2 * tan(arcmin * PLACIDO_ARCMIN_RAD / 2);
   return status;
 }
@@ -103,8 +106,17 @@ int placido_calibration_read(double *arcmin_per_px, const placido_json *json, in
       double tangent;
       placido_json_warn_unknown(json, "calibration", kinds[i].known, notes);
       status = kinds[i].read(&tangent, json, width_px, err);
-      *arcmin_per_px = 2 * atan(tangent / 2) / PLACIDO_ARCMIN_RAD;
-      return status;
+      if (status != PLACIDO_OK) {
+        return status;
+      }
+      const double arcmin = 2 * atan(tangent / 2) / PLACIDO_ARCMIN_RAD;
+      if (!(arcmin >= least_arcmin && arcmin <= most_arcmin)) {
+        return placido_json_refuse(json, "calibration", err,
+                                   "makes a pixel %g arcmin large, expected %g to %g", arcmin,
+                                   least_arcmin, most_arcmin);
+      }
+      *arcmin_per_px = arcmin;
+      return PLACIDO_OK;
     }
   }
   return placido_json_refuse(json, "calibration.kind", err,

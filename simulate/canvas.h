@@ -18,6 +18,10 @@ int placido_scene_canvas_new(placido_scene_canvas *canvas, const placido_scene *
                              double bucket_arcmin, int reach, int threads, placido_error *err);
 void placido_scene_canvas_free(placido_scene_canvas *canvas);
 
+/* Refuses samples that are no numbers, or brighter than what transforms carry beside white. The
+ * scene has an image. Returns PLACIDO_OK or PLACIDO_INPUT. */
+int placido_scene_check_light(const placido_scene *scene, placido_error *err);
+
 /* Divides the colours of a picture of four planes by its alpha: what a picture with holes needs
  * when colours and alpha are spread. Where there is nothing there is no colour either. */
 void placido_scene_canvas_unweigh(placido_image *image);

@@ -37,21 +37,21 @@ placido_correction placido_correction_of(double sphere_D, double cylinder_D, dou
 int placido_correction_move(placido_correction *moved, const placido_correction *correction,
                             double nearer_mm, placido_error *err) {
   const placido_correction worn = *correction;
-  double half = hypot(worn.j0_D, worn.j45_D);
-  double powers[2] = {worn.m_D + half, worn.m_D - half};
+  double half = hypot(worn.j0_D, worn.j45_D), way_m = nearer_mm / 1000, shrunk = 1;
+  const double powers[2] = {worn.m_D + half, worn.m_D - half};
   *moved = (placido_correction){.m_D = NAN, .j0_D = NAN, .j45_D = NAN};
   for (int i = 0; i < 2; i++) {
-    double left = 1 - nearer_mm / 1000 * powers[i];
+    double left = 1 - way_m * powers[i];
     if (!(left > 0)) {
       return placido_error_set(err, PLACIDO_INPUT,
                                "a lens of %+.2f D has no counterpart %g mm %s the eye: its focus "
                                "lies in between",
                                powers[i], fabs(nearer_mm), nearer_mm > 0 ? "nearer to" : "from");
     }
-    powers[i] /= left;
+    shrunk /= left;
   }
-  double shrunk = half > 0 ? (powers[0] - powers[1]) / (2 * half) : 0;
-  *moved = (placido_correction){.m_D = (powers[0] + powers[1]) / 2,
+  /* mean and half difference of the moved powers, without taking that difference */
+  *moved = (placido_correction){.m_D = shrunk * (worn.m_D - way_m * powers[0] * powers[1]),
                                 .j0_D = shrunk * worn.j0_D,
                                 .j45_D = shrunk * worn.j45_D};
   return PLACIDO_OK;

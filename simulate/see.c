@@ -55,6 +55,9 @@ int placido_scene_see_as(placido_image *seen, const placido_scene *scene, const 
   status = placido_scene_canvas_new(&canvas, scene, psf->bucket_arcmin, placido_psf_reach(psf),
                                     threads, err);
   if (status == PLACIDO_OK) {
+    status = placido_scene_check_light(scene, err);
+  }
+  if (status == PLACIDO_OK) {
     status = placido_image_new(seen, canvas.image->width_px, canvas.image->height_px,
                                canvas.image->planes, err);
   }

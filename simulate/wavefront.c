@@ -14,6 +14,7 @@
 #include "simulate/trace.h"
 #include "simulate/wavefront.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -66,7 +67,7 @@ static int settle(placido_wavefront *w, int *rings, placido_wavefront_options *s
 static int find_depths(double *depth_mm, const placido_wavefront *w,
                        const placido_surface *surface, placido_error *err) {
   placido_apex apex;
-  placido_entry entry;
+  placido_entry entry = {0};
   int status = placido_apex_find(&apex, surface, &w->eye, err);
   for (size_t i = 0; i < w->count && status == PLACIDO_OK; i++) {
     if (!placido_entry_at(&entry, surface, &apex, w->x_mm[i], w->y_mm[i])) {
@@ -81,33 +82,55 @@ static int find_depths(double *depth_mm, const placido_wavefront *w,
   return status;
 }
 
-/* Path of a ray to the reference sphere's centre, mm. */
-static double path_of(const placido_wavefront *w, double x_mm, double y_mm, double depth_mm) {
+/* What the lens takes from a ray's path, mm. */
+static double lens_path(const placido_wavefront *w, double x_mm, double y_mm) {
   const placido_correction *lens = &w->eye.correction;
   double rx = x_mm - w->eye.pupil_x_mm, ry = y_mm - w->eye.pupil_y_mm;
-  double bend = lens->m_D * (rx * rx + ry * ry) + lens->j0_D * (rx * rx - ry * ry) +
-                2 * lens->j45_D * rx * ry;
-  double dx = x_mm - w->focus_mm[0], dy = y_mm - w->focus_mm[1];
-  double dz = depth_mm - w->focus_mm[2];
-  return depth_mm + w->eye.index * sqrt(dx * dx + dy * dy + dz * dz) - bend / 2000;
+  return (lens->m_D * (rx * rx + ry * ry) + lens->j0_D * (rx * rx - ry * ry) +
+          2 * lens->j45_D * rx * ry) /
+         2000;
 }
 
-static int chief_path(double *path_mm, const placido_wavefront *w, const placido_surface *surface,
-                      placido_error *err) {
+/* Path of a ray to the reference sphere's centre, mm. */
+static double path_of(const placido_wavefront *w, double x_mm, double y_mm, double depth_mm) {
+  double dx = x_mm - w->focus_mm[0], dy = y_mm - w->focus_mm[1];
+  double dz = depth_mm - w->focus_mm[2];
+  return depth_mm + w->eye.index * sqrt(dx * dx + dy * dy + dz * dz) - lens_path(w, x_mm, y_mm);
+}
+
+/* Path of the chief ray, which the lens takes nothing from, less that of a ray, mm. Both are some 30
+ * mm: the difference of their distances a and b to the centre is (a² - b²) / (a + b), with the
+ * squares' difference taken place by place, which keeps the digits of paths that are nearly alike. */
+static double path_difference(const placido_wavefront *w, const placido_entry *chief, double x_mm,
+                              double y_mm, double depth_mm) {
+  const double a[3] = {chief->x_mm, chief->y_mm, chief->depth_mm}, b[3] = {x_mm, y_mm, depth_mm};
+  double squares = 0, from_chief = 0, from_ray = 0;
+  for (int i = 0; i < 3; i++) {
+    double to_a = a[i] - w->focus_mm[i], to_b = b[i] - w->focus_mm[i];
+    squares += (a[i] - b[i]) * (to_a + to_b);
+    from_chief += to_a * to_a;
+    from_ray += to_b * to_b;
+  }
+  return chief->depth_mm - depth_mm +
+         w->eye.index * squares / (sqrt(from_chief) + sqrt(from_ray)) + lens_path(w, x_mm, y_mm);
+}
+
+static int find_chief(placido_entry *chief, const placido_wavefront *w,
+                      const placido_surface *surface, placido_error *err) {
   placido_apex apex;
-  placido_entry chief;
   int status = placido_apex_find(&apex, surface, &w->eye, err);
   if (status == PLACIDO_OK) { /* the apex was found: the surface is defined here */
-    placido_entry_at(&chief, surface, &apex, w->eye.pupil_x_mm, w->eye.pupil_y_mm);
-    *path_mm = path_of(w, chief.x_mm, chief.y_mm, chief.depth_mm);
+    placido_entry_at(chief, surface, &apex, w->eye.pupil_x_mm, w->eye.pupil_y_mm);
   }
   return status;
 }
 
-/* One step towards the centre of least spread, in (x, y, 1 / depth) as far as `unknowns` goes. */
+/* One step towards the centre of least spread, in (x, y, 1 / depth) as far as `unknowns` goes, and
+ * by how much it lessens the paths' mean square. */
 static bool step_focus(placido_wavefront *w, const double *depth_mm, int unknowns,
-                       double step[3]) {
-  double mean[4] = {0}, square[3][3] = {{0}};
+                       double step[3], double *gain_mm2) {
+  double mean[4] = {0}, square[3][3] = {{0}}, right[3];
+  *gain_mm2 = NAN;
   memset(step, 0, 3 * sizeof *step);
   for (int pass = 0; pass < 2; pass++) { /* the means first: the paths' own piston is free */
     for (size_t i = 0; i < w->count; i++) {
@@ -131,7 +154,12 @@ static bool step_focus(placido_wavefront *w, const double *depth_mm, int unknown
   if (!placido_dense_factor(&square[0][0], unknowns, 3, 1e-12)) {
     return false;
   }
+  memcpy(right, step, sizeof right);
   placido_dense_solve(&square[0][0], unknowns, 3, step);
+  *gain_mm2 = 0;
+  for (int j = 0; j < unknowns; j++) {
+    *gain_mm2 += right[j] * step[j];
+  }
   return true;
 }
 
@@ -150,8 +178,8 @@ static int find_focus(placido_wavefront *w, const placido_surface *surface,
                               : w->eye.retina_mm;
   bool found = false;
   for (int k = 0; k < STEPS_MAX && !found; k++) {
-    double step[3];
-    if (!step_focus(w, depth_mm, depth_open ? 3 : 2, step)) {
+    double step[3], gain_mm2;
+    if (!step_focus(w, depth_mm, depth_open ? 3 : 2, step, &gain_mm2)) {
       break;
     }
     w->focus_mm[0] += step[0];
@@ -162,7 +190,9 @@ static int find_focus(placido_wavefront *w, const placido_surface *surface,
     }
     double change = fabs(1 / vergence - w->focus_mm[2]);
     w->focus_mm[2] = depth_open ? 1 / vergence : w->eye.retina_mm;
-    found = hypot(step[0], step[1]) < 1e-9 && change < 1e-9;
+    double rounding_mm = 4 * DBL_EPSILON * w->eye.index * w->focus_mm[2];
+    found = (hypot(step[0], step[1]) < 1e-9 && change < 1e-9) ||
+            gain_mm2 <= rounding_mm * rounding_mm; /* a tiny pupil's depth of focus hides the rest */
   }
   w->eye.retina_mm = w->focus_mm[2];
   return found ? PLACIDO_OK
@@ -174,10 +204,10 @@ static int find_focus(placido_wavefront *w, const placido_surface *surface,
 static int find_differences(double *opd_um, const placido_wavefront *w,
                             const placido_surface *surface, const double *depth_mm,
                             placido_error *err) {
-  double chief_mm;
-  int status = chief_path(&chief_mm, w, surface, err);
+  placido_entry chief;
+  int status = find_chief(&chief, w, surface, err);
   for (size_t i = 0; i < w->count && status == PLACIDO_OK; i++) {
-    opd_um[i] = 1e3 * (chief_mm - path_of(w, w->x_mm[i], w->y_mm[i], depth_mm[i]));
+    opd_um[i] = 1e3 * path_difference(w, &chief, w->x_mm[i], w->y_mm[i], depth_mm[i]);
   }
   return status;
 }

@@ -8,6 +8,7 @@
 
 #include "reconstruct/surface/zernike.h"
 
+#include <float.h>
 #include <math.h>
 
 static const double radians_per_um = 2 * 3.14159265358979323846 / 0.555;
@@ -36,6 +37,13 @@ static double pair(const double *c, int n, int m) {
   return hypot(c[placido_zernike_index(n, m)], c[placido_zernike_index(n, -m)]);
 }
 
+/* Whether a pair is no more than rounding leaves of paths as long as the eye: it has no direction
+ * then. */
+static bool is_none(const placido_wavefront *w, const double *c, int n, int m) {
+  const double longest_um = 1e3 * w->eye.index * w->focus_mm[2];
+  return pair(c, n, m) <= 4 * DBL_EPSILON * longest_um;
+}
+
 static double spherical(const placido_wavefront *w, const double *c) {
   return w->order < 4 ? (double)NAN : c[placido_zernike_index(4, 0)];
 }
@@ -47,7 +55,10 @@ static double coma(const placido_wavefront *w, const double *c) {
 static double coma_axis(const placido_wavefront *w, const double *c) {
   const double degrees = 180 / 3.14159265358979323846;
   double angle = degrees * atan2(c[placido_zernike_index(3, -1)], c[placido_zernike_index(3, 1)]);
-  return w->order < 3 ? (double)NAN : angle < 0 ? angle + 360 : angle;
+  if (w->order < 3 || is_none(w, c, 3, 1)) {
+    return NAN;
+  }
+  return angle < 0 ? angle + 360 : angle;
 }
 
 static double trefoil(const placido_wavefront *w, const double *c) {
@@ -82,7 +93,10 @@ static double cross_oblique(const placido_wavefront *w, const double *c) {
 }
 
 static double clinical(const placido_wavefront *w, const double *c, bool axis) {
-  const placido_correction lens = {mean_power(w, c), cross_straight(w, c), cross_oblique(w, c)};
+  placido_correction lens = {mean_power(w, c), cross_straight(w, c), cross_oblique(w, c)};
+  if (is_none(w, c, 2, 2)) {
+    lens.j0_D = lens.j45_D = 0;
+  }
   double sphere_D, cylinder_D, axis_deg;
   placido_correction_clinical(&lens, &sphere_D, &cylinder_D, &axis_deg);
   return axis ? axis_deg : cylinder_D;
@@ -117,7 +131,7 @@ static const placido_wavefront_figure figures[] = {
     {"spherical_um", "um", "Spherical aberration: the term (4, 0), positive where the rim has more "
      "power.", 0, spherical},
     {"coma_um", "um", "Coma: root mean square of the terms (3, -1) and (3, 1).", 0, coma},
-    {"coma_axis_deg", "deg", "Direction of coma: where the wavefront is ahead.", 360, coma_axis},
+    {"coma_axis_deg", "deg", "Direction of coma: where the wavefront is ahead; none without coma.", 360, coma_axis},
     {"trefoil_um", "um", "Trefoil: root mean square of the terms (3, -3) and (3, 3).", 0, trefoil},
     {"power_D", "D", "Power for this pupil: index over the depth of the best focus, "
      "1000 n / mm.", 0, power},
@@ -128,7 +142,7 @@ static const placido_wavefront_figure figures[] = {
     {"j0_D", "D", "Astigmatism, axes 0 and 90: -2 √6 c22 / r² (Thibos 2004).", 0, cross_straight},
     {"j45_D", "D", "Astigmatism, axes 45 and 135: -2 √6 c2-2 / r² (Thibos 2004).", 0, cross_oblique},
     {"cylinder_D", "D", "Minus cylinder that corrects it, of J0 and J45.", 0, cylinder},
-    {"axis_deg", "deg", "Axis of that cylinder.", 180, axis},
+    {"axis_deg", "deg", "Axis of that cylinder; none without it.", 180, axis},
     {"strehl_555nm", "", "Strehl ratio at 555 nm towards the reference sphere's centre: |mean of "
      "exp(i 2 π W / wavelength)|².", 0, strehl},
 };

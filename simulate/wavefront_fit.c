@@ -26,14 +26,12 @@ static const double half_root = 0.70710678118654752440;
 /* A block of points: by quantity while terms are computed, by point when they are multiplied. */
 typedef struct block {
   double x[BLOCK], y[BLOCK], z[BLOCK], root[BLOCK]; /* root of the weight */
-  double square[BLOCK], cosine[BLOCK], sine[BLOCK], radial[BLOCK];
+  double square[BLOCK], cosine[BLOCK], sine[BLOCK], radial[BLOCK], before[BLOCK];
   double rows[BLOCK * COLUMNS_MAX];
 } block;
 
 typedef struct fitting {
   int order, terms, columns; /* columns: terms, the value, padded to a multiple of 4 */
-  double powers[PLACIDO_WAVEFRONT_TERMS][PLACIDO_ZERNIKE_POWERS];
-  int lengths[PLACIDO_WAVEFRONT_TERMS];
   double *sums;              /* columns * columns, lower part */
   block *points;
 } fitting;
@@ -47,23 +45,42 @@ static void raise_angle(double *cosine, double *sine, const double *x, const dou
   }
 }
 
+/* The next radial polynomial of a frequency, in place of this one, and this one in place of the one
+ * before. */
 PLACIDO_WIDE
-static void evaluate_radial(double *radial, const double *square, const double *powers,
-                            int length) {
+static void raise_radial(double *radial, double *before, const double *square,
+                         const placido_zernike_step *step) {
+  const double by_s = step->by_s, constant = step->constant, back = step->before;
   for (int i = 0; i < BLOCK; i++) {
-    radial[i] = powers[length - 1];
-  }
-  for (int k = length - 2; k >= 0; k--) {
-    for (int i = 0; i < BLOCK; i++) {
-      radial[i] = radial[i] * square[i] + powers[k];
-    }
+    double next = (by_s * square[i] + constant) * radial[i] - back * before[i];
+    before[i] = radial[i];
+    radial[i] = next;
   }
 }
 
 /* One column of the rows: the product of two quantities. */
-static void put_column(double *rows, int columns, int column, const double *a, const double *b) {
+static void put_column(double *rows, int columns, int column, double norm, const double *a,
+                       const double *b) {
   for (int i = 0; i < BLOCK; i++) {
-    rows[i * columns + column] = a[i] * b[i];
+    rows[i * columns + column] = norm * a[i] * b[i];
+  }
+}
+
+/* The terms of one frequency, the angle's part of which is there. */
+static void evaluate_frequency(fitting *f, int m) {
+  block *b = f->points;
+  for (int i = 0; i < BLOCK; i++) {
+    b->radial[i] = 1;
+    b->before[i] = 0;
+  }
+  for (int n = m; n <= f->order; n += 2) {
+    double norm = placido_zernike_norm(n, m);
+    put_column(b->rows, f->columns, placido_zernike_index(n, m), norm, b->radial, b->cosine);
+    if (m > 0) {
+      put_column(b->rows, f->columns, placido_zernike_index(n, -m), norm, b->radial, b->sine);
+    }
+    const placido_zernike_step step = placido_zernike_step_of(m, (n - m) / 2);
+    raise_radial(b->radial, b->before, b->square, &step);
   }
 }
 
@@ -75,17 +92,10 @@ static void evaluate(fitting *f) {
     b->sine[i] = 0;
   }
   for (int m = 0; m <= f->order; m++) {
-    for (int n = m; n <= f->order; n += 2) {
-      int term = placido_zernike_index(n, m);
-      evaluate_radial(b->radial, b->square, f->powers[term], f->lengths[term]);
-      put_column(b->rows, f->columns, term, b->radial, b->cosine);
-      if (m > 0) {
-        put_column(b->rows, f->columns, placido_zernike_index(n, -m), b->radial, b->sine);
-      }
-    }
+    evaluate_frequency(f, m);
     raise_angle(b->cosine, b->sine, b->x, b->y);
   }
-  put_column(b->rows, f->columns, f->terms, b->z, b->root);
+  put_column(b->rows, f->columns, f->terms, 1, b->z, b->root);
 }
 
 /* Adds the products of all pairs of columns, four points at a time. */
@@ -206,11 +216,6 @@ int placido_zernike_fit_points(placido_zernike_fit *fit, int order, const double
   fit->order = f->order = order;
   fit->term_count = f->terms = placido_zernike_count(order);
   f->columns = (f->terms + 4) / 4 * 4;
-  for (int j = 0; j < f->terms; j++) {
-    int n, m;
-    placido_zernike_name(j, &n, &m);
-    f->lengths[j] = placido_zernike_radial(f->powers[j], n, m);
-  }
   size_t columns = (size_t)f->columns;
   f->sums = placido_memory_new(columns, columns * sizeof *f->sums, err);
   f->points = placido_memory_new(1, sizeof *f->points, err);

@@ -1,4 +1,5 @@
-/* The step that predicts acuity and looks for ghosts through every pupil. */
+/* The step that predicts acuity and looks for ghosts through every pupil, and tells how sure the
+ * image is. */
 #include "acquire/cli/acuity.h"
 
 #include "acquire/cli/examination.h"
@@ -6,21 +7,18 @@
 
 #include <math.h>
 
-/* Of the fit's variants a handful: all are alike draws of the noise, and the geometry's come in the
- * order of what they do. */
-#define NOISE_TAKEN 6
-#define GEOMETRY_TAKEN 4
-#define VARIANTS_MAX (NOISE_TAKEN + GEOMETRY_TAKEN + 1)
-#define VARIANT_SAMPLES 100 /* rays a side, spread: an acuity needs no more */
+/* Corneas drawn from what the measurement leaves open: at the best focus, where every change makes
+ * the image worse, the steps of the fit's variants would not add up. */
+#define DRAWS 16
+#define DRAW_SAMPLES 100 /* rays a side, spread: an acuity needs no more */
 
 static const char *const default_tests[] = {"e"}; /* as the chart that is shown by default */
 
-/* Other corneas that the measurement leaves open, and what each sees. */
+/* What other corneas that the measurement leaves open see. */
 struct others {
-  size_t count;
-  int numbers[VARIANTS_MAX];
-  placido_psf psfs[VARIANTS_MAX];
-  placido_acuity_variant variants[VARIANTS_MAX];
+  size_t count; /* 0: nothing is known of them */
+  placido_psf psfs[DRAWS + 1]; /* the last one is the fitted cornea's, by as few rays */
+  placido_acuity_variant variants[DRAWS];
 };
 
 static struct acuity_wish wish_of(const struct settings *settings) {
@@ -33,58 +31,59 @@ static struct acuity_wish wish_of(const struct settings *settings) {
   return wish;
 }
 
-static void choose(struct others *others, const placido_fit *fit) {
-  static const int most[PLACIDO_SIGMA_SOURCES] = {[PLACIDO_SIGMA_NOISE] = NOISE_TAKEN,
-                                                  [PLACIDO_SIGMA_DISTANCE] = 1,
-                                                  [PLACIDO_SIGMA_GEOMETRY] = GEOMETRY_TAKEN};
-  int taken[PLACIDO_SIGMA_SOURCES] = {0};
-  for (int k = 0; k < placido_fit_variant_count(fit); k++) {
-    const enum placido_sigma_source source = placido_fit_variant_source(fit, k);
-    if (taken[source]++ < most[source]) {
-      const double share = (double)PLACIDO_NOISE_VARIANTS / NOISE_TAKEN;
-      others->numbers[others->count] = k;
-      others->variants[others->count] =
-          (placido_acuity_variant){.psf = &others->psfs[others->count],
-                                   .weight = source == PLACIDO_SIGMA_NOISE ? share : 1};
-      others->count++;
-    }
-  }
-}
-
 static int see_other(placido_psf *psf, const struct examination *examination,
                      const struct view *view, int number, placido_error *err) {
-  const placido_optics optics = {.samples = VARIANT_SAMPLES,
+  const placido_optics optics = {.samples = DRAW_SAMPLES,
                                  .buckets = view->psf.n,
                                  .bucket_arcmin = view->psf.bucket_arcmin,
                                  .wavelength_nm = view->psf.wavelength_nm,
                                  .grow = 1,
                                  .cwhatuc = examination->settings->cwhatuc,
                                  .threads = 1};
-  placido_surface *surface;
-  int status = placido_fit_variant(&surface, examination->fit, number, err);
+  placido_surface *drawn = NULL;
+  int status =
+      number < DRAWS ? placido_fit_draw(&drawn, examination->fit, number, err) : PLACIDO_OK;
   if (status == PLACIDO_OK) {
-    status = placido_psf_new(psf, NULL, surface, &view->eye, &optics, NULL, err);
+    status = placido_psf_new(psf, NULL, drawn ? drawn : examination->surface, &view->eye, &optics,
+                             NULL, err);
   }
-  placido_surface_free(surface);
+  placido_surface_free(drawn);
   return status;
+}
+
+static void free_others(struct others *others) {
+  for (size_t i = 0; i <= DRAWS; i++) {
+    placido_psf_free(&others->psfs[i]);
+  }
+  others->count = 0;
 }
 
 /* None where one of them cannot be seen through: then nothing is known of that sigma. */
 static void see_others(struct others *others, const struct examination *examination,
                        const struct view *view) {
   bool whole = true;
-  choose(others, examination->fit);
+  others->count = DRAWS;
+  for (size_t i = 0; i < DRAWS; i++) {
+    others->variants[i] =
+        (placido_acuity_variant){.psf = &others->psfs[i], .weight = 1.0 / DRAWS};
+  }
 #pragma omp parallel for schedule(dynamic) reduction(&& : whole)
-  for (size_t i = 0; i < others->count; i++) {
-    const int number = others->numbers[i];
-    whole = see_other(&others->psfs[i], examination, view, number, NULL) == PLACIDO_OK && whole;
+  for (int i = 0; i <= DRAWS; i++) {
+    whole = see_other(&others->psfs[i], examination, view, i, NULL) == PLACIDO_OK && whole;
   }
   if (!whole) {
-    for (size_t i = 0; i < others->count; i++) {
-      placido_psf_free(&others->psfs[i]);
-    }
-    others->count = 0;
+    free_others(others);
   }
+}
+
+/* The root mean square of what the draws change of the Strehl ratio. */
+static double strehl_sigma(const struct others *others) {
+  double squares = 0;
+  for (size_t i = 0; i < others->count; i++) {
+    const double change = others->psfs[i].strehl_g - others->psfs[DRAWS].strehl_g;
+    squares += change * change;
+  }
+  return others->count > 0 ? sqrt(squares / (double)others->count) : (double)NAN;
 }
 
 static int read_charts(struct acuity_view *acuity, placido_observer *const *observers, size_t count,
@@ -118,6 +117,7 @@ static int find_ghosts(struct acuity_view *acuity, const placido_psf *psf, placi
 static int predict(struct examination *examination, struct view *view,
                    placido_observer *const *observers, size_t count, placido_error *err) {
   struct stages *stages = &examination->outcome->stages;
+  int status = PLACIDO_OK;
   stages_next(stages, "acuity %.3g mm", view->psf.pupil_mm);
   struct others *others = placido_memory_new(1, sizeof *others, err);
   if (!others) {
@@ -126,13 +126,14 @@ static int predict(struct examination *examination, struct view *view,
   if (examination->fit) {
     see_others(others, examination, view);
   }
-  int status = read_charts(&view->acuity, observers, count, &view->psf, others, err);
-  if (status == PLACIDO_OK) {
+  view->strehl_g_sigma = strehl_sigma(others);
+  if (count > 0) {
+    status = read_charts(&view->acuity, observers, count, &view->psf, others, err);
+  }
+  if (count > 0 && status == PLACIDO_OK) {
     status = find_ghosts(&view->acuity, &view->psf, err);
   }
-  for (size_t i = 0; i < others->count; i++) {
-    placido_psf_free(&others->psfs[i]);
-  }
+  free_others(others);
   placido_memory_free(others);
   view->acuity.seconds = stages_elapsed(stages);
   return status;
@@ -141,12 +142,14 @@ static int predict(struct examination *examination, struct view *view,
 int step_acuity(struct examination *examination, placido_error *err) {
   const struct acuity_wish wish = wish_of(examination->settings);
   struct views *views = &examination->views;
+  const placido_acuity_options options = {.trials = examination->settings->trials};
   placido_observer *observers[ACUITY_TESTS_MAX] = {0};
   int status = PLACIDO_OK;
   for (size_t i = 0; i < wish.count && views->count > 0 && status == PLACIDO_OK; i++) {
-    status = placido_observer_new(&observers[i], wish.tests[i], NULL, err);
+    status = placido_observer_new(&observers[i], wish.tests[i], &options, err);
   }
-  for (size_t i = 0; i < views->count && wish.count > 0 && status == PLACIDO_OK; i++) {
+  const bool any = wish.count > 0 || examination->fit;
+  for (size_t i = 0; i < views->count && any && status == PLACIDO_OK; i++) {
     status = predict(examination, &views->items[i], observers, wish.count, err);
   }
   for (size_t i = 0; i < wish.count; i++) {

@@ -199,6 +199,8 @@ int ball_log_read(struct ball_record **records, size_t *count, size_t *odd, cons
   }
   for (size_t i = 0; i < size; i++) {
     lines += text[i] == '\n';
+    /* a power cut may leave zero bytes, which must not hide the lines behind them */
+    text[i] = text[i] == '\0' ? '?' : text[i];
   }
   *records = placido_memory_new(lines + 1, sizeof **records, err);
   char *rest = text;

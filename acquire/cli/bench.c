@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 static const struct bench *const benches[] = {&bench_record, &bench_live, &bench_reconstruct,
-                                              &bench_simulate, &bench_effects};
+                                              &bench_simulate, &bench_effects, &bench_accuracy};
 #define BENCH_COUNT (sizeof benches / sizeof benches[0])
 
 /* Marks the benchmark of that name. */
@@ -27,11 +27,11 @@ static int choose(bool chosen[BENCH_COUNT], const char *name, placido_error *err
                            name);
 }
 
-/* Those that were named, or all of them. */
+/* Those that were named, or all that do not take minutes. */
 static int choose_all(bool chosen[BENCH_COUNT], const struct settings *settings,
                       placido_error *err) {
   for (size_t i = 0; i < BENCH_COUNT; i++) {
-    chosen[i] = !settings->input;
+    chosen[i] = !settings->input && !benches[i]->by_name;
   }
   int status = settings->input ? choose(chosen, settings->input, err) : PLACIDO_OK;
   for (size_t i = 0; status == PLACIDO_OK && i < settings->more.count; i++) {

@@ -17,12 +17,13 @@ struct bench_run {
 
 struct bench {
   const char *name, *summary; /* what it measures */
+  bool by_name;               /* takes minutes: runs only where it is named */
   /* Adds its figures to run->report. Every claim of speed is a ratio to something measured in the
    * same run. PLACIDO_UNSUPPORTED: this build cannot do it. */
   int (*run)(struct bench_run *run, placido_error *err);
 };
 
 extern const struct bench bench_live, bench_reconstruct, bench_record, bench_simulate,
-    bench_effects;
+    bench_effects, bench_accuracy;
 
 #endif

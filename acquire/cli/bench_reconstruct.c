@@ -41,7 +41,7 @@ static void evaluation_free(struct evaluation *e) {
 static int evaluation_new(struct evaluation *e, const placido_mires *mires,
                           const struct bench_sight *sight, placido_error *err) {
   const double axis_z_mm = placido_surface_vertex_z_mm(sight->surface);
-  *e = (struct evaluation){.grid = placido_grid_covering(5, KNOT_MM)};
+  *e = (struct evaluation){.grid = placido_grid_covering(5, KNOT_MM, PLACIDO_SPLINE_DEGREE)};
   e->coefficients = placido_memory_new((size_t)e->grid.side * (size_t)e->grid.side,
                                        sizeof *e->coefficients, err);
   int status = e->coefficients ? placido_samples_new(&e->samples, mires, &sight->instrument,

@@ -64,6 +64,8 @@ static int combine(struct examination *examination, const placido_mires *list, p
   struct combination *combination = &examination->combination;
   const placido_fit_options options = {.axis_z_mm = examination->axis_z_mm,
                                        .knot_mm = examination->settings->knot_mm,
+                                       .degree = examination->settings->degree,
+                                       .tolerance = examination->settings->fit_tolerance,
                                        .threads = examination->threads};
   placido_mires combined;
   const int status =
@@ -81,6 +83,7 @@ static int combine(struct examination *examination, const placido_mires *list, p
 
 int combination_measure(struct examination *examination, placido_error *err) {
   const placido_mires_options options = {.meridians = examination->settings->meridians,
+                                         .filter_px = examination->settings->filter_px,
                                          .threads = examination->threads};
   placido_mires list[PLACIDO_COMBINE_MAX] = {examination->mires};
   int status = find_others(examination, list, &options, err);

@@ -1,8 +1,9 @@
 /* `placido exam`: from a session or an image to surface, maps, simulated vision and a report. */
 #include "acquire/cli/examination.h"
 
-static examination_step *const steps[] = {step_scenes, step_capture, step_mires, step_fit,
-                                          step_maps,   step_wavefront, step_see, step_acuity, step_save, NULL};
+static examination_step *const steps[] = {
+    step_promise, step_scenes,    step_capture, step_begin,  step_mires,   step_fit,
+    step_maps,    step_wavefront, step_see,     step_acuity, step_outcome, step_save, NULL};
 
 static const struct recipe recipe = {
     .format = "placido-exam/1", .marker = "exam.json", .steps = steps};
@@ -17,7 +18,7 @@ static int run(const struct settings *settings, struct outcome *outcome, placido
 }
 
 static const struct option_group *const groups[] = {
-    &options_directory, &options_measuring, &options_maps, &options_wavefront, &options_seeing,
+    &options_directory, &options_accuracy, &options_measuring, &options_maps, &options_wavefront, &options_seeing,
     &options_effects, &options_eye, &options_general, NULL};
 
 const struct command command_exam = {

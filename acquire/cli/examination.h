@@ -6,6 +6,7 @@
 #include "acquire/acquire.h"
 #include "acquire/cli/combination.h"
 #include "acquire/cli/command.h"
+#include "acquire/cli/promise.h"
 #include "acquire/cli/views.h"
 #include "acquire/cli/wavefront.h"
 #include "base/file.h"
@@ -24,11 +25,12 @@ struct recipe;
 /* Zeroed at first; each step fills its part. */
 struct examination {
   const struct recipe *recipe;
-  const struct settings *settings;
+  const struct settings *settings; /* with what step_promise chose */
   struct outcome *outcome;
   int threads;
   char created[32];
   placido_directory directory;
+  struct promise promise; /* step_promise, step_begin, step_outcome */
 
   /* step_capture */
   placido_device_info source;
@@ -68,6 +70,9 @@ struct recipe {
   examination_step *const *steps; /* NULL-terminated */
 };
 
+examination_step step_promise; /* settings for the accuracy or time that is asked for */
+examination_step step_begin;   /* the promised time begins */
+examination_step step_outcome; /* and ends: what came out */
 examination_step step_capture; /* device, instrument, distance, best frame */
 examination_step step_surface; /* the surface file named as input, in place of a capture */
 examination_step step_mires;

@@ -234,6 +234,7 @@ static void list_pupil(struct page *page, size_t index, const struct views *view
   placido_report_pupil *pupil = &page->pupils[index];
   snprintf(page->psf_files[index], JOB_NAME_SIZE, "%s/psf.png", view->directory);
   *pupil = (placido_report_pupil){.psf = &view->psf,
+                                  .strehl_g_sigma = view->strehl_g_sigma,
                                   .automatic = view->automatic,
                                   .psf_picture = page->psf_files[index],
                                   .scene_names = page->scene_names[index],

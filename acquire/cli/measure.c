@@ -5,7 +5,8 @@
 
 int step_mires(struct examination *examination, placido_error *err) {
   stages_next(&examination->outcome->stages, "mires");
-  const placido_mires_options options = {.meridians = examination->settings->meridians};
+  const placido_mires_options options = {.meridians = examination->settings->meridians,
+                                         .filter_px = examination->settings->filter_px};
   const int status =
       placido_mires_find(&examination->mires, &examination->frame, &examination->instrument,
                          &options, &examination->outcome->notes, err);
@@ -19,7 +20,9 @@ int step_fit(struct examination *examination, placido_error *err) {
   const placido_fit_options options = {.axis_z_mm = examination->axis_z_mm,
                                        .axis_z_sigma_mm = examination->axis_z_sigma_mm,
                                        .geometry = &examination->geometry,
-                                       .knot_mm = examination->settings->knot_mm};
+                                       .knot_mm = examination->settings->knot_mm,
+                                       .degree = examination->settings->degree,
+                                       .tolerance = examination->settings->fit_tolerance};
   const int status = placido_fit_new(&examination->fit, &examination->mires,
                                      &examination->instrument, &options,
                                      &examination->outcome->notes, err);

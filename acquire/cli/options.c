@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define ROWS_MAX 64
+#define ROWS_MAX 96
 #define LONG_BASE 256 /* getopt's value of row i is LONG_BASE + i: beyond every letter */
 #define HELP_COLUMN 26
 #define HELP_WIDTH 96

@@ -1,8 +1,9 @@
 /* `placido reconstruct`: from a session or an image to surface, maps and indices. */
 #include "acquire/cli/examination.h"
 
-static examination_step *const steps[] = {step_capture, step_mires, step_fit,
-                                          step_maps,    step_wavefront, step_save, NULL};
+static examination_step *const steps[] = {
+    step_promise, step_capture,   step_begin,   step_mires, step_fit,
+    step_maps,    step_wavefront, step_outcome, step_save,  NULL};
 
 static const struct recipe recipe = {
     .format = "placido-reconstruction/1", .marker = "reconstruction.json", .steps = steps};
@@ -11,8 +12,9 @@ static int run(const struct settings *settings, struct outcome *outcome, placido
   return examination_run(&recipe, settings, outcome, err);
 }
 
-static const struct option_group *const groups[] = {&options_directory, &options_measuring, &options_maps,
-                                                    &options_wavefront, &options_general, NULL};
+static const struct option_group *const groups[] = {
+    &options_directory, &options_accuracy_measuring, &options_measuring, &options_maps,
+    &options_wavefront, &options_general, NULL};
 
 const struct command command_reconstruct = {
     .name = "reconstruct",

@@ -98,7 +98,10 @@ static struct builder build_settings(const struct examination *examination) {
     put_real(&builder, "axis_z_sigma_mm", examination->axis_z_sigma_mm);
     put_asked(&builder, "combine", settings->combine);
     put_asked(&builder, "meridians", settings->meridians);
+    put_asked(&builder, "filter_px", settings->filter_px);
     put_asked(&builder, "knot_mm", settings->knot_mm);
+    put_asked(&builder, "degree", settings->degree);
+    put_asked(&builder, "fit_tolerance", settings->fit_tolerance);
   }
   if (examination->views.scene_count > 0) {
     json_t *pupils = json_array(), *scenes = json_array();
@@ -120,6 +123,7 @@ static struct builder build_settings(const struct examination *examination) {
     put(&builder, "light", record_text(ray_light_name(settings->cwhatuc ? PLACIDO_LIGHT_COUNTED
                                                                         : settings->rays.light)));
     put_asked(&builder, "grow", settings->rays.grow);
+    put_asked(&builder, "trials", settings->trials);
     put_asked(&builder, "diffraction_nm", settings->rays.wavelength_nm);
     put_asked(&builder, "through_focus_D", settings->rays.through_focus_D);
     put_asked(&builder, "bucket_arcmin", settings->bucket_arcmin);
@@ -308,6 +312,7 @@ static struct builder build_pupil(const struct view *view, const struct settings
   put_text(&builder, "directory", view->directory);
   put(&builder, "automatic", json_boolean(view->automatic));
   put_real(&builder, "strehl_g", view->psf.strehl_g);
+  put_real(&builder, "strehl_g_sigma", view->strehl_g_sigma);
   put_lens(&builder, &cornea);
   put_real(&glasses, "vertex_mm", spectacles.vertex_mm);
   put_lens(&glasses, &spectacles);
@@ -360,6 +365,9 @@ static struct builder build_record(const struct examination *examination) {
   put_text(&builder, "created", examination->created);
   put_object(&builder, "input", build_input(examination));
   put_object(&builder, "settings", build_settings(examination));
+  if (examination->promise.made) {
+    put(&builder, "accuracy", promise_json(examination));
+  }
   if (examination->elevation.count > 0) {
     put_object(&builder, "heights", build_heights(examination));
   }

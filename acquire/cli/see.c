@@ -3,6 +3,7 @@
  * warning: the rest is worth having. */
 #include "acquire/cli/examination.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -32,7 +33,9 @@ static int see_psf(struct examination *examination, struct view *view, const pla
   stages_next(stages, "psf %.3g mm", eye->pupil_mm);
   int status = placido_psf_new(&view->psf, &view->eye, examination->surface, eye, &optics,
                                &examination->outcome->notes, err);
+  promise_pupil_done(&examination->promise);
   view->seconds = stages_elapsed(stages);
+  view->strehl_g_sigma = NAN;
   if (status == PLACIDO_OK && reach_D > 0) {
     stages_next(stages, "focus %.3g mm", eye->pupil_mm);
     status = placido_focus_curve_new(&view->focus, examination->surface, &view->eye, &optics,
@@ -46,11 +49,8 @@ static int see_psf(struct examination *examination, struct view *view, const pla
 
 static int plan_scene(placido_plan **plan, struct examination *examination, size_t scene,
                       const placido_eye *eye, placido_error *err) {
-  const placido_plan_wish wish = plan_settings_read(examination->settings, examination->threads);
   placido_error reason = {0};
-  const int status =
-      placido_plan_new(plan, examination->surface, eye, &examination->views.scenes[scene], &wish,
-                       &examination->outcome->notes, &reason);
+  const int status = promise_plan(plan, examination, scene, eye, &reason);
   return leave_out(examination, status, &reason, err);
 }
 

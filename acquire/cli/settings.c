@@ -76,6 +76,15 @@ static int parse_different(void *field, const struct option_row *row, const char
   return status;
 }
 
+static int parse_degree(void *field, const struct option_row *row, const char *text,
+                        placido_error *err) {
+  const int status = parse_integer(field, row, text, err);
+  if (status == PLACIDO_OK && *(int *)field == 4) {
+    return placido_error_set(err, STATUS_USAGE, "--%s 4: 3 or 5 was expected", row->name);
+  }
+  return status;
+}
+
 static int parse_seed(void *field, const struct option_row *row, const char *text,
                       placido_error *err) {
   int seed;
@@ -117,8 +126,15 @@ static const struct option_row measuring_rows[] = {
      FIELD(combine), parse_integer, 1, PLACIDO_COMBINE_MAX},
     {"knots", 0, "MM", "Knot spacing of the surface's spline, mm (default: 0.5, or finer where the "
      "residuals ask for it).", FIELD(knot_mm), parse_number, 0.15, 2},
+    {"degree", 0, "3|5", "Degree of the surface's spline (default 5).", FIELD(degree), parse_degree,
+     3, 5},
+    {"fit-tolerance", 0, "SHARE", "The fit ends with a step that moves residuals by less than this "
+     "share of their noise (default: as fine as rounding allows).", FIELD(fit_tolerance),
+     parse_number, 1e-6, 1},
     {"meridians", 0, "N", "Meridians along which edges are measured (default 360).",
      FIELD(meridians), parse_integer, 24, 1440},
+    {"filter", 0, "PX", "Standard deviation of the smoothing along the mires in which edges are "
+     "looked for, px (default 1).", FIELD(filter_px), parse_number, 0.6, 4},
 };
 
 static const struct option_row seeing_rows[] = {
@@ -130,6 +146,8 @@ static const struct option_row seeing_rows[] = {
     {"acuity", 0, "TEST,...", "Tests whose acuity is predicted: e (tumbling E), c and c8 (Landolt C in "
      "four and eight directions), sloan, or none (default e).", FIELD(acuity),
      parse_acuity, 0, 0},
+    {"trials", 0, "N", "Letters that the predicted observer is shown of each size (default 4096). "
+     "The error that they leave is told.", FIELD(trials), parse_integer, 64, 1e6},
     {"allow-coarse", 0, NULL, "Show scenes whose pixels are larger than the point spread "
      "function's buckets, too. Blur finer than a pixel cannot be told from the pixel.",
      FIELD(allow_coarse), parse_switch, 0, 0},

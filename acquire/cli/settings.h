@@ -2,6 +2,7 @@
 #ifndef PLACIDO_CLI_SETTINGS_H
 #define PLACIDO_CLI_SETTINGS_H
 
+#include "acquire/cli/accuracy_settings.h"
 #include "acquire/cli/acuity.h"
 #include "acquire/cli/exchange_settings.h"
 #include "acquire/cli/eye_settings.h"
@@ -34,8 +35,9 @@ struct settings {
   struct distance axis_z;
   int frame;   /* -1: the best */
   int combine; /* so many frames; 0 and 1: no more than the best */
-  double knot_mm;
-  int meridians;
+  double knot_mm, fit_tolerance, filter_px;
+  int degree, meridians;
+  struct accuracy_settings accuracy;
 
   struct map_settings maps;
   struct compare_settings compare;
@@ -49,6 +51,7 @@ struct settings {
   bool cwhatuc;
   struct ray_settings rays;
   struct acuity_wish acuity;
+  int trials;
   struct eye_settings behind; /* the cornea */
   struct spread_settings spread;
   struct plan_settings plan;
@@ -103,6 +106,10 @@ extern const struct option_group options_general, options_measuring, options_see
     options_directory, options_phantom, options_devices, options_simulated,
     options_session,
     options_calibrate, options_verify;
+
+/* In accuracy_settings.c: of what measures and sees, measures, sees. */
+extern const struct option_group options_accuracy, options_accuracy_measuring,
+    options_accuracy_seeing;
 
 /* In eye_settings.c. */
 extern const struct option_group options_eye;

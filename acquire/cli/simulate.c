@@ -1,7 +1,8 @@
 /* `placido simulate`: what an eye with a given surface sees. */
 #include "acquire/cli/examination.h"
 
-static examination_step *const steps[] = {step_scenes, step_surface, step_see, step_acuity, step_save, NULL};
+static examination_step *const steps[] = {step_promise, step_scenes, step_surface, step_begin, step_see,
+                                          step_acuity,  step_outcome, step_save, NULL};
 
 static const struct recipe recipe = {
     .format = "placido-simulation/1", .marker = "simulation.json", .steps = steps};
@@ -10,7 +11,7 @@ static int run(const struct settings *settings, struct outcome *outcome, placido
   return examination_run(&recipe, settings, outcome, err);
 }
 
-static const struct option_group *const groups[] = {&options_directory, &options_seeing,
+static const struct option_group *const groups[] = {&options_directory, &options_accuracy_seeing, &options_seeing,
                                                     &options_effects, &options_eye,
                                                     &options_general, NULL};
 

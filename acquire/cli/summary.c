@@ -63,10 +63,14 @@ static void print_view(const struct settings *settings, const struct view *view)
   write_lens(cornea, &near);
   write_lens(spectacles, &far);
   const bool same = strcmp(cornea, spectacles) == 0 || isnan(far.sphere_D);
-  say(settings, "pupil %.3g mm: lens %s%s%s%s, retina at %.3f mm, %s %.4f",
+  char sigma[32] = "";
+  if (isfinite(view->strehl_g_sigma)) {
+    snprintf(sigma, sizeof sigma, " ± %.4f", view->strehl_g_sigma);
+  }
+  say(settings, "pupil %.3g mm: lens %s%s%s%s, retina at %.3f mm, %s %.4f%s",
       psf->pupil_mm, cornea, same ? "" : " (", same ? "" : spectacles,
       same ? "" : " as spectacles)", psf->retina_mm,
-      psf->wavelength_nm > 0 ? "fullest bucket" : "Strehl (geometric)", psf->strehl_g);
+      psf->wavelength_nm > 0 ? "fullest bucket" : "Strehl (geometric)", psf->strehl_g, sigma);
 }
 
 static void print_acuity(const struct settings *settings, const struct acuity_view *view) {
@@ -97,6 +101,7 @@ void summary_print(const struct examination *examination) {
     print_view(settings, &examination->views.items[i]);
     print_acuity(settings, &examination->views.items[i].acuity);
   }
+  promise_print(examination);
   const bool page = figures_available() && examination->views.count > 0;
   say(settings, "%s/%s", settings->output, page ? "report.html" : examination->recipe->marker);
 }

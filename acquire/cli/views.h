@@ -23,6 +23,7 @@ struct view {
   bool automatic;     /* the pupil follows from the luminance of those scenes that are seen */
   placido_eye eye;                /* with what was searched */
   placido_psf psf;
+  double strehl_g_sigma;          /* of psf.strehl_g; NaN: not known */
   double seconds;                 /* that the PSF took */
   placido_focus_curve focus;      /* count 0: it was not asked for */
   struct acuity_view acuity;

@@ -38,8 +38,8 @@ typedef struct placido_mires {
 /* Knobs of the detection; zero means the default in brackets. */
 typedef struct placido_mires_options {
   int meridians;        /* [360] */
-  double filter_px;     /* standard deviation of the Gaussian along the mires that edges are looked
-                           for in, 0.25 to 4 [1] */
+  double filter_px;     /* standard deviation of the smoothing along the mires in which edges are
+                           found and measured, 0.6 to 4 [1] */
   int edges_min;        /* fewest edges that must be seen on a fifth of the meridians [5] */
   int threads;          /* [1]; the result does not depend on it */
 } placido_mires_options;

@@ -41,6 +41,12 @@ bool placido_phantom_edge_at(const placido_surface *surface, const placido_instr
                              int edge, const double centre_px[2], double meridian_deg,
                              double position_px[2]);
 
+/* The same for all edges of the instrument in one walk: a position each, NaN where it is not seen.
+ */
+void placido_phantom_edges_at(const placido_surface *surface, const placido_instrument *instrument,
+                              const double centre_px[2], double meridian_deg,
+                              double (*positions_px)[2]);
+
 /* The built-in eyes (surfaces) and instruments, by name; NULL-terminated lists. An unknown name is
  * PLACIDO_INPUT. Free a surface with placido_surface_free. */
 const char *const *placido_phantom_eyes(void);

@@ -22,8 +22,9 @@ typedef struct placido_fit_options {
   double smoothing;       /* weight of the third-derivative penalty [1000] */
   int degree;             /* of the spline, 3 or 5 [5] */
   int steps_max;          /* Gauss-Newton steps [40] */
-  double tolerance;       /* a step that moves the points' residuals by less than this share of their
-                             noise is the last one, 1e-6 to 1 [as fine as rounding allows] */
+  double tolerance;       /* the last step of Gauss-Newton is one that moves the points' residuals by
+                             less than this share of their noise, or after which the next one would,
+                             1e-6 to 1 [0.014, or 0.1 where no point was set aside] */
   int threads;            /* [1]; the result does not depend on it */
   const placido_fit *start; /* of the frame before, of the same eye under the same instrument: the
                              fit starts there, which takes a half of the time, and agrees with one
@@ -99,5 +100,14 @@ enum placido_sigma_source placido_fit_variant_source(const placido_fit *fit, int
  * for the distance's. Free with placido_surface_free. Returns PLACIDO_OK or PLACIDO_MEMORY. */
 int placido_fit_variant(placido_surface **surface, const placido_fit *fit, int variant,
                         placido_error *err);
+
+/* Draw number `number` (0 or more) from all that the measurement leaves open together, as a surface:
+ * the fitted one moved by noise, distance and every mode of the geometry at once, each by a normal
+ * amount of its full size. For quantities that steps do not add up to, as at the best focus, where
+ * every step makes the image worse: their variance is the mean square of what draws change (JCGM
+ * 101:2008, 7), to one part in sqrt(2 N) of N draws. The same for every run and machine. Free with
+ * placido_surface_free. Returns PLACIDO_OK or PLACIDO_MEMORY. */
+int placido_fit_draw(placido_surface **surface, const placido_fit *fit, int number,
+                     placido_error *err);
 
 #endif

@@ -31,6 +31,8 @@ typedef struct yardstick {
 /* At least so many are looked at: over wider steps edges lose their way. */
 #define MERIDIANS_LINKED 300
 #define UNMEASURED_PX 0.5 /* standard deviation of what was seen and could not be measured */
+#define FILTER_LEAST_PX 0.6 /* a pixel's own share of it is a B-spline of 0.58 px */
+#define FILTER_MOST_PX 4.0
 #define FLATTEST 1.6 /* mires reach no further than this times the ordinary reach */
 
 static int yardstick_of(yardstick *out, const placido_instrument *instrument,
@@ -181,6 +183,7 @@ static int check_frame(const placido_frame *frame, const placido_instrument *ins
 typedef struct stages {
   const placido_instrument *instrument;
   int linked, stride, threads; /* meridians looked at, and every how many-th is handed out */
+  double filter_px;
   yardstick yard;
   double centre_px[2];
   placido_image plane;
@@ -197,7 +200,7 @@ static int look(stages *s, const placido_frame *frame, placido_error *err) {
       (status = placido_mires_centre(s->centre_px, &s->plane, y->reach_px, y->inner_px,
                                      y->narrow_px, err)) ||
       (status = placido_polar_new(&s->polar, &s->plane, s->centre_px, FLATTEST * y->reach_px,
-                                  s->linked, s->threads, err)) ||
+                                  s->linked, s->filter_px, s->threads, err)) ||
       (status = placido_crossings_find(&s->crossings, &s->polar, y->spacing_px, y->reach_px,
                                        s->threads, err))) {
     return status;
@@ -237,6 +240,18 @@ static int judge(placido_mires *mires, stages *s, placido_error *err) {
   return collect(mires, &s->crossings, s->stride, err);
 }
 
+static int check_options(const stages *s, int meridians, placido_error *err) {
+  if (meridians < 24 || meridians > 3600) {
+    return placido_error_set(err, PLACIDO_INPUT, "%d meridians, expected 24 to 3600", meridians);
+  }
+  if (!(s->filter_px >= FILTER_LEAST_PX && s->filter_px <= FILTER_MOST_PX)) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "a filter of %g px along the mires, expected %g to %g px",
+                             s->filter_px, FILTER_LEAST_PX, FILTER_MOST_PX);
+  }
+  return PLACIDO_OK;
+}
+
 int placido_mires_find(placido_mires *mires, const placido_frame *frame,
                        const placido_instrument *instrument,
                        const placido_mires_options *options, placido_notes *notes,
@@ -246,6 +261,7 @@ int placido_mires_find(placido_mires *mires, const placido_frame *frame,
   stages s = {.instrument = instrument,
               .linked = meridians,
               .stride = 1,
+              .filter_px = options && options->filter_px != 0 ? options->filter_px : 1,
               .threads = options && options->threads ? options->threads : 1};
   if (meridians > 0 && meridians < MERIDIANS_LINKED) {
     s.stride = (MERIDIANS_LINKED + meridians - 1) / meridians;
@@ -253,9 +269,8 @@ int placido_mires_find(placido_mires *mires, const placido_frame *frame,
   }
   *mires = (placido_mires){.edge_count = instrument->edge_count, .meridian_count = meridians};
   int status = check_frame(frame, instrument, err);
-  if (!status && (meridians < 24 || meridians > 3600)) {
-    status = placido_error_set(err, PLACIDO_INPUT, "%d meridians, expected 24 to 3600",
-                               meridians);
+  if (!status) {
+    status = check_options(&s, meridians, err);
   }
   if (!status && !(status = look(&s, frame, err)) && !(status = number(&s, err)) &&
       !(status = judge(mires, &s, err))) {

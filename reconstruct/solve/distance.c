@@ -28,10 +28,11 @@ int placido_distance_answer(double *by_distance, placido_normal *normal, const p
   /* the spring at the axis pulls to the distance: its push per millimetre is weight · B(0, 0) */
   placido_basis basis;
   placido_grid_basis(grid, 0, 0, &basis);
-  for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
-    int j = k / PLACIDO_SPLINE_ORDER, i = k % PLACIDO_SPLINE_ORDER;
-    right[(basis.row + j) * grid->side + basis.column + i] =
-        PLACIDO_DISTANCE_WEIGHT * basis.y[0][j] * basis.x[0][i];
+  for (int j = 0; j < grid->order; j++) {
+    for (int i = 0; i < grid->order; i++) {
+      right[(basis.row + j) * grid->side + basis.column + i] =
+          PLACIDO_DISTANCE_WEIGHT * basis.y[0][j] * basis.x[0][i];
+    }
   }
   int status = placido_normal_solve_more(normal, right, 1, by_distance, err);
   placido_memory_free(right);
@@ -41,12 +42,14 @@ int placido_distance_answer(double *by_distance, placido_normal *normal, const p
 /* A sample's residual per mm of distance, in sigmas, and its weight. */
 static double change_of(double *weight, const placido_refinement *r, const placido_sample *s,
                         const double *by_distance) {
-  int side = r->shape.grid->side;
+  int side = r->shape.grid->side, order = r->shape.grid->order;
   double row[PLACIDO_SPLINE_CELL], sum = 0;
   const double *corner = by_distance + s->basis.row * side + s->basis.column;
   *weight = placido_sample_row(row, s, r->sigma_px);
-  for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
-    sum += row[k] * corner[k / PLACIDO_SPLINE_ORDER * side + k % PLACIDO_SPLINE_ORDER];
+  for (int j = 0; j < order; j++) {
+    for (int i = 0; i < order; i++) {
+      sum += row[j * order + i] * corner[j * side + i];
+    }
   }
   return sum;
 }

@@ -3,18 +3,21 @@
 #include <placido/reconstruct.h>
 
 #include "base/memory.h"
+#include "reconstruct/solve/doubt/contradict.h"
 #include "reconstruct/solve/doubt/explain.h"
 #include "reconstruct/solve/doubt/fold.h"
 #include "reconstruct/solve/doubt/numbering.h"
 #include "reconstruct/solve/doubt/power.h"
 #include "reconstruct/solve/engine/conic.h"
 #include "reconstruct/solve/errors/result.h"
+#include "reconstruct/solve/given.h"
 #include "reconstruct/solve/solution.h"
 
 #include <math.h>
 
 #define KNOT_LEAST_MM 0.15 /* finer ones cost minutes and follow the noise */
 #define KNOT_MOST_MM 2.0
+#define TOLERANCE_LEAST 1e-6
 #define RENUMBERINGS 3 /* at most */
 #define RENUMBER 6.0   /* spreads within which a point agrees with an edge */
 #define OPEN_D 1.0     /* an error bar beyond which the map says nothing */
@@ -33,12 +36,25 @@ static int cover(placido_coverage *coverage, unsigned char **mask, double *radiu
                       "are left out",
                       folds[folded / 2].x_mm, folds[folded / 2].y_mm, 100 * share);
   }
-  placido_memory_free(folds);
   double hole_mm2 = 0;
   if (!status) {
     status = placido_fold_hole(&hole_mm2, coverage, *mask, err);
   }
-  return status ? status : placido_solution_check_hole(p, hole_mm2, err);
+  if (!status) {
+    status = placido_solution_check_hole(p, hole_mm2, err);
+  }
+  if (!status) {
+    status = placido_contradict_find(folds, &folded, p->samples, p->count, err);
+  }
+  if (!status && folded) {
+    double share = placido_fold_mask(coverage, *mask, folds, folded);
+    placido_notes_add(notes,
+                      "most edge points about x = %.1f, y = %.1f mm contradict the surface: %.1f %% "
+                      "of the map are left out",
+                      folds[folded / 2].x_mm, folds[folded / 2].y_mm, 100 * share);
+  }
+  placido_memory_free(folds);
+  return status;
 }
 
 /* Knots and coefficients as a part of the surface file. */
@@ -47,7 +63,7 @@ static int build_surface(placido_fit *fit, placido_solution *p, placido_notes *n
   const placido_grid *g = &fit->grid;
   placido_coverage coverage;
   unsigned char *mask = NULL;
-  size_t knots = (size_t)(g->side + PLACIDO_SPLINE_ORDER);
+  size_t knots = (size_t)(g->side + g->order);
   double *places = placido_memory_new(knots, sizeof *places, err);
   int status = places ? PLACIDO_OK : PLACIDO_MEMORY;
   if (!status) {
@@ -55,7 +71,7 @@ static int build_surface(placido_fit *fit, placido_solution *p, placido_notes *n
   }
   if (!status) {
     for (size_t i = 0; i < knots; i++) {
-      places[i] = ((double)i - PLACIDO_SPLINE_DEGREE) * g->knot_mm - g->half_mm;
+      places[i] = ((double)i - (g->order - 1)) * g->knot_mm - g->half_mm;
     }
     /* the spline was fitted to z, the file holds sags */
     size_t n = (size_t)g->side * (size_t)g->side;
@@ -64,8 +80,8 @@ static int build_surface(placido_fit *fit, placido_solution *p, placido_notes *n
     }
     placido_part parts[2] = {placido_conic_part(&p->base),
                              {.kind = PLACIDO_PART_BSPLINE,
-                              .as.bspline = {PLACIDO_SPLINE_DEGREE, g->side, g->side, places,
-                                             places, p->refinement.coefficients}}};
+                              .as.bspline = {g->order - 1, g->side, g->side, places, places,
+                                             p->refinement.coefficients}}};
     status = placido_surface_new(&fit->surface, p->base.apex_z_mm, fit->summary.radius_mm, parts, 2,
                                  &coverage, err);
     fit->base = p->base;
@@ -141,6 +157,15 @@ static int check_options(const placido_fit_options *options, const placido_instr
   if (knot_mm != 0 && !(knot_mm >= KNOT_LEAST_MM && knot_mm <= KNOT_MOST_MM)) {
     return placido_error_set(err, PLACIDO_INPUT, "knots every %g mm, expected %g to %g mm", knot_mm,
                              KNOT_LEAST_MM, KNOT_MOST_MM);
+  }
+  double tolerance = options ? options->tolerance : 0;
+  if (tolerance != 0 && !(tolerance >= TOLERANCE_LEAST && tolerance <= 1)) {
+    return placido_error_set(err, PLACIDO_INPUT, "a tolerance of %g of the noise, expected %g to 1",
+                             tolerance, TOLERANCE_LEAST);
+  }
+  int degree = options ? options->degree : 0;
+  if (degree != 0 && degree != 3 && degree != 5) {
+    return placido_error_set(err, PLACIDO_INPUT, "a spline of degree %d, expected 3 or 5", degree);
   }
   const placido_uncertainty *geometry = options ? options->geometry : NULL;
   if (geometry && geometry->mode_count > 0 && geometry->edge_count != instrument->edge_count) {
@@ -239,7 +264,8 @@ static int fit_distance(placido_solution *p, placido_grid *grid, placido_notes *
                         placido_error *err) {
   const placido_fit_options *o = p->options;
   const placido_distance_source source = {p->mires, p->instrument, o ? o->geometry : NULL,
-                                          placido_solution_modes(o), PLACIDO_SETTLED};
+                                          placido_solution_modes(o),
+                                          placido_solution_settled(o, PLACIDO_SETTLED)};
   int status = placido_distance_solve(&p->axis, &p->refinement, &source, notes, err);
   if (!status && p->axis.solved) {
     forget(p);
@@ -274,6 +300,9 @@ int placido_fit_new(placido_fit **fit, placido_mires *mires, const placido_instr
                              mires->count, PLACIDO_POINTS_MIN);
   }
   int status = check_options(options, instrument, err);
+  if (!status) {
+    status = placido_given_check(mires, instrument, options, err);
+  }
   placido_fit *f = status ? NULL : placido_memory_new(1, sizeof *f, err);
   if (!status && !f) {
     status = PLACIDO_MEMORY;

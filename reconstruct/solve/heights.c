@@ -185,7 +185,8 @@ static void attempt_free(attempt *a) {
 
 static int attempt_new(attempt *a, const task *t, double knot_mm, double sigma_mm,
                        placido_error *err) {
-  *a = (attempt){.grid = placido_grid_covering(t->reach_mm + MARGIN_MM, knot_mm)};
+  *a = (attempt){.grid = placido_grid_covering(t->reach_mm + MARGIN_MM, knot_mm,
+                                                 PLACIDO_SPLINE_DEGREE)};
   size_t unknowns = (size_t)a->grid.side * (size_t)a->grid.side;
   a->coefficients = placido_memory_new(unknowns, sizeof *a->coefficients, err);
   a->residual_mm = placido_memory_new(t->count, sizeof *a->residual_mm, err);

@@ -29,6 +29,10 @@ static int steps_of(const placido_fit_options *options) {
   return options && options->steps_max > 0 ? options->steps_max : 40;
 }
 
+static int degree_of(const placido_fit_options *options) {
+  return options && options->degree ? options->degree : PLACIDO_SPLINE_DEGREE;
+}
+
 /* A fresh refinement of some rays on a grid. */
 static int refinement_of(placido_refinement *r, const placido_solution *p, const placido_grid *grid,
                          placido_sightlines *rays, placido_error *err) {
@@ -59,8 +63,8 @@ static int explore(placido_refinement *coarse, placido_grid *grid, placido_solut
   placido_grid finer_grid;
   int choices = asked > 0 ? 1 : KNOT_CHOICES, status = PLACIDO_OK;
   for (int choice = 0; choice < choices && !status; choice++) {
-    finer_grid =
-        placido_grid_covering(p->reach_mm + MARGIN_MM, asked > 0 ? asked : KNOTS_MM[choice]);
+    finer_grid = placido_grid_covering(p->reach_mm + MARGIN_MM,
+                                       asked > 0 ? asked : KNOTS_MM[choice], degree_of(p->options));
     status = refinement_of(&finer, p, &finer_grid, rays, err);
     if (!status) {
       status = placido_refinement_run(&finer, PLACIDO_SETTLED_ROUGHLY, err);
@@ -92,7 +96,8 @@ static int explore(placido_refinement *coarse, placido_grid *grid, placido_solut
 static bool may_continue(const placido_solution *p) {
   const placido_fit_options *o = p->options;
   return o && o->start && !p->starts_anew &&
-         (o->knot_mm == 0 || o->knot_mm == o->start->grid.knot_mm);
+         (o->knot_mm == 0 || o->knot_mm == o->start->grid.knot_mm) &&
+         degree_of(o) == o->start->grid.order - 1;
 }
 
 /* From the previous frame's fit, where that is near enough: else `coarse` stays empty. */
@@ -162,7 +167,7 @@ static int try_shift(double *spread_px, const placido_solution *p, int shift, pl
       (status = placido_solution_base(&q, err))) {
     goto done;
   }
-  grid = placido_grid_covering(q.reach_mm + MARGIN_MM, KNOTS_MM[0]);
+  grid = placido_grid_covering(q.reach_mm + MARGIN_MM, KNOTS_MM[0], degree_of(p->options));
   status = refinement_of(&q.refinement, &q, &grid, &q.rays, err);
   if (!status && !(status = placido_refinement_run(&q.refinement, PLACIDO_SETTLED_ROUGHLY, err))) {
     *spread_px = q.refinement.sigma_px;

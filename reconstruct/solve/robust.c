@@ -3,6 +3,8 @@
 #include "reconstruct/solve/errors/noise.h"
 #include "reconstruct/solve/solution.h"
 
+#include <math.h>
+
 #define CUT_MOST 0.3 /* share of the points: more means that the model is wrong, not the points */
 #define CUT_MANY 0.1 /* share that the user is told of */
 
@@ -23,12 +25,19 @@ static int refuse_fold(const placido_solution *p, placido_error *err) {
                            100 * p->cut, 100 * p->mires->stray);
 }
 
+double placido_solution_settled(const placido_fit_options *options, double usual) {
+  double tolerance = options ? options->tolerance : 0;
+  return tolerance > 0 ? tolerance * tolerance : usual;
+}
+
 /* Cuts the outliers and fits again until that changes nothing, at most twice. */
 int placido_solution_robust(placido_solution *p, placido_grid *grid, placido_notes *notes,
                             placido_error *err) {
   placido_refinement *r = &p->refinement;
   size_t cut = 0;
   bool changed = true;
+  double last = placido_solution_settled(p->options, PLACIDO_SETTLED), settled = INFINITY;
+  double most = placido_solution_settled(p->options, PLACIDO_SETTLED_ROUGHLY);
   int status = placido_solution_spline(p, grid, err);
   if (!status && p->misfit > PLACIDO_MISFIT &&
       (status = placido_solution_shift(p, err)) == PLACIDO_OK && p->shift) {
@@ -49,8 +58,12 @@ int placido_solution_robust(placido_solution *p, placido_grid *grid, placido_not
                                  100.0 * (double)cut / (double)p->count, 100 * CUT_MOST);
     }
     if (!status) {
-      status = placido_refinement_run(r, pass ? PLACIDO_SETTLED : PLACIDO_SETTLED_ROUGHLY, err);
+      settled = pass ? last : fmax(last, PLACIDO_SETTLED_ROUGHLY);
+      status = placido_refinement_run(r, settled, err);
     }
+  }
+  if (!status && settled > most) { /* nothing was cut, and more was asked for */
+    status = placido_refinement_run(r, most, err);
   }
   p->cut = (double)cut / (double)p->count;
   if (!status && p->cut > FOLD_CUT && p->mires->stray > FOLD_STRAY) {

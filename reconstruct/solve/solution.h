@@ -9,7 +9,9 @@
 #define PLACIDO_POINTS_MIN 200 /* fewer make no cornea */
 
 /* Relative fall of the cost at which an iteration ends. In the last one 2e-4 is a few units of chi
- * square, far less than the hundreds of unknowns scatter by. */
+ * square, far less than the hundreds of unknowns scatter by. The cost is about the residuals' sum of
+ * squares, and at its minimum a step that moves them by a share of their noise makes it fall by the
+ * square of that share. */
 #define PLACIDO_SETTLED 2e-4
 #define PLACIDO_SETTLED_ROUGHLY 1e-2
 
@@ -39,6 +41,9 @@ typedef struct placido_solution {
 
 /* How many modes of the geometry's uncertainty count; 0: nothing is known of it. */
 int placido_solution_modes(const placido_fit_options *options);
+
+/* The relative fall of the cost that the options' tolerance stands for; `usual` without one. */
+double placido_solution_settled(const placido_fit_options *options, double usual);
 
 /* The conicoid, and how far the points reach. PLACIDO_QUALITY where that is no cornea. */
 int placido_solution_base(placido_solution *p, placido_error *err);

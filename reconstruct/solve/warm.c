@@ -84,7 +84,8 @@ int placido_warm_start(placido_refinement *r, placido_conicoid *base, placido_gr
   if (status) {
     return status;
   }
-  *grid = placido_grid_covering(reach_mm + options->margin_mm, start->grid.knot_mm);
+  *grid = placido_grid_covering(reach_mm + options->margin_mm, start->grid.knot_mm,
+                                start->grid.order - 1);
   if (spread_px < NEAR_PX) {
     status = refine(r, base, grid, start, rays, options, &ignored);
     if (status) {

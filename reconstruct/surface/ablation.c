@@ -13,8 +13,9 @@ struct ablation {
   double cx, cy;
   double zone, blend; /* radius of the zone, width of the blend */
   double r0, r1;      /* before and after */
+  double apart;       /* r0 - r1 */
   double offset;      /* makes the profile start the blend at the rim's height */
-  double quintic[6];  /* of the blend, in t = (rho - zone) / blend */
+  double rim, second; /* the blend is (1 - t)³ (rim (1 + t) + second t² / 2), t = (rho - zone) / blend */
 };
 
 static const placido_part_field fields[] = {
@@ -36,9 +37,13 @@ static const placido_part_field fields[] = {
     {.name = "cy", .offset = offsetof(placido_part, as.ablation.cy), .optional = true},
 };
 
-/* Curvature of the cornea after the treatment. */
+/* What the treatment takes from the cornea's curvature, and what it leaves. */
+static double curvature_taken(const placido_part *part) {
+  return part->as.ablation.dioptres / 1000 / (part->as.ablation.n - 1);
+}
+
 static double curvature_after(const placido_part *part) {
-  return 1 / part->as.ablation.r0 - part->as.ablation.dioptres / 1000 / (part->as.ablation.n - 1);
+  return 1 / part->as.ablation.r0 - curvature_taken(part);
 }
 
 static bool check(const placido_part *part, placido_complaint *complaint) {
@@ -66,18 +71,30 @@ static double root(double radius, double rho) {
   return sqrt(radius * radius - rho * rho);
 }
 
+/* A radial profile g as g, g'/rho and (g'' - g'/rho)/rho², which stay finite in the zone's centre.
+ */
+struct profile {
+  double value, slope, bend;
+};
+
+/* The difference of the spheres' sags. Every difference is made of that of their radii, so that a
+ * treatment as small as any keeps its digits. */
+static struct profile between(const struct ablation *a, double rho) {
+  double s0 = root(a->r0, rho), s1 = root(a->r1, rho), both = s0 * s1;
+  double apart = a->apart * (a->r0 + a->r1) / (s0 + s1); /* s0 - s1 */
+  return (struct profile){
+      .value = rho * rho * (a->apart + apart) / ((a->r0 + s0) * (a->r1 + s1)),
+      .slope = apart / both,
+      .bend = apart * (s0 * s0 + both + s1 * s1) / (both * both * both)};
+}
+
+/* The quintic's value, slope and second derivative at t = 1 are 0, so that (1 - t)³ is a factor of
+ * it; with the rim at minus half of the slope at t = 0 what is left is as simple as this. */
 static void fill_blend(struct ablation *a) {
-  double s0 = root(a->r0, a->zone), s1 = root(a->r1, a->zone), w = a->blend;
-  double slope = (a->zone / s1 - a->zone / s0) * w;
-  double second = (a->r1 * a->r1 / (s1 * s1 * s1) - a->r0 * a->r0 / (s0 * s0 * s0)) * w * w;
-  double rim = -0.5 * slope;
-  a->offset = rim - (s0 - s1);
-  a->quintic[0] = rim;
-  a->quintic[1] = slope;
-  a->quintic[2] = 0.5 * second;
-  a->quintic[3] = -10 * rim - 6 * slope - 1.5 * second;
-  a->quintic[4] = 15 * rim + 8 * slope + 1.5 * second;
-  a->quintic[5] = -6 * rim - 3 * slope - 0.5 * second;
+  struct profile end = between(a, a->zone);
+  a->rim = -0.5 * end.slope * a->zone * a->blend;
+  a->second = (end.slope + end.bend * a->zone * a->zone) * a->blend * a->blend;
+  a->offset = a->rim - end.value;
 }
 
 static int prepare(void **state, placido_part *part, placido_error *err) {
@@ -92,31 +109,24 @@ static int prepare(void **state, placido_part *part, placido_error *err) {
   a->blend = part->as.ablation.blend_mm;
   a->r0 = part->as.ablation.r0;
   a->r1 = 1 / curvature_after(part);
+  a->apart = -curvature_taken(part) * a->r0 * a->r1;
   fill_blend(a);
   return PLACIDO_OK;
 }
 
-/* A radial profile g as g, g'/rho and (g'' - g'/rho)/rho², which stay finite in the zone's centre.
- */
-struct profile {
-  double value, slope, bend;
-};
-
 static struct profile inside(const struct ablation *a, double rho) {
-  double s0 = root(a->r0, rho), s1 = root(a->r1, rho);
-  return (struct profile){.value = s0 - s1 + a->offset,
-                          .slope = 1 / s1 - 1 / s0,
-                          .bend = 1 / (s1 * s1 * s1) - 1 / (s0 * s0 * s0)};
+  struct profile p = between(a, rho);
+  p.value += a->offset;
+  return p;
 }
 
 static struct profile blending(const struct ablation *a, double rho) {
-  const double *q = a->quintic;
-  double t = (rho - a->zone) / a->blend;
-  double first = q[1] + t * (2 * q[2] + t * (3 * q[3] + t * (4 * q[4] + t * 5 * q[5])));
-  double second = 2 * q[2] + t * (6 * q[3] + t * (12 * q[4] + t * 20 * q[5]));
+  double t = (rho - a->zone) / a->blend, e = (a->zone + a->blend - rho) / a->blend;
+  double q = a->rim * (1 + t) + a->second * t * t / 2, q1 = a->rim + a->second * t;
+  double first = e * e * (e * q1 - 3 * q);
+  double second = e * (6 * q - 6 * e * q1 + e * e * a->second);
   double slope = first / (a->blend * rho);
-  return (struct profile){.value =
-                              q[0] + t * (q[1] + t * (q[2] + t * (q[3] + t * (q[4] + t * q[5])))),
+  return (struct profile){.value = e * e * e * q,
                           .slope = slope,
                           .bend = (second / (a->blend * a->blend) - slope) / (rho * rho)};
 }

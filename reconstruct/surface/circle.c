@@ -1,4 +1,4 @@
-/* The OSA/ANSI circle polynomials as such: index, radial coefficients, values at many points.
+/* The OSA/ANSI circle polynomials as such: index, radial polynomials, values at many points.
  * ANSI Z80.28; Thibos et al., "Standards for reporting the optical aberrations of eyes",
  * J. Refract. Surg. 18, S652-S660 (2002), eqs. 1 to 5. */
 #include "reconstruct/surface/zernike.h"
@@ -30,9 +30,23 @@ static double factorial(int n) {
   return product;
 }
 
+placido_zernike_step placido_zernike_step_of(int m, int k) {
+  double f = abs(m), sum = 2 * k + f, next = (k + 1) * (k + f + 1);
+  if (k == 0) {
+    return (placido_zernike_step){f + 2, -(f + 1), 0};
+  }
+  double turn = (sum + 1) * (sum + 2) / next;
+  return (placido_zernike_step){turn, -turn / 2 - (sum + 1) * f * f / (2 * next * sum),
+                                k * (k + f) * (sum + 2) / (next * sum)};
+}
+
+double placido_zernike_norm(int n, int m) {
+  return sqrt((m == 0 ? 1.0 : 2.0) * (n + 1));
+}
+
 int placido_zernike_radial(double powers[PLACIDO_ZERNIKE_POWERS], int n, int m) {
   int frequency = abs(m), half = (n - frequency) / 2;
-  double weight = sqrt((m == 0 ? 1.0 : 2.0) * (n + 1));
+  double weight = placido_zernike_norm(n, m);
   for (int k = 0; k <= half; k++) {
     powers[half - k] = weight * factorial(n - k) /
                        (factorial(k) * factorial((n + frequency) / 2 - k) * factorial(half - k));
@@ -41,37 +55,41 @@ int placido_zernike_radial(double powers[PLACIDO_ZERNIKE_POWERS], int n, int m) 
   return half + 1;
 }
 
-static double polynomial(const double *powers, int count, double s) {
-  double f = 0;
-  for (int k = count - 1; k >= 0; k--) {
-    f = f * s + powers[k];
+/* The real and imaginary part of (x + iy)^m. */
+static void power_of(double out[2], double x, double y, int m) {
+  out[0] = 1;
+  out[1] = 0;
+  for (int k = 0; k < m; k++) {
+    double turned = out[0] * x - out[1] * y;
+    out[1] = out[0] * y + out[1] * x;
+    out[0] = turned;
   }
-  return f;
 }
 
-/* The terms of order n and frequencies m and -m. */
-static void fill_pair(double *cosine, double *sine, int n, int m, const double *x, const double *y,
-                      size_t count) {
-  double powers[PLACIDO_ZERNIKE_POWERS];
-  int length = placido_zernike_radial(powers, n, m);
-  for (size_t i = 0; i < count; i++) {
-    double real = polynomial(powers, length, x[i] * x[i] + y[i] * y[i]), imaginary = 0;
-    for (int k = 0; k < m; k++) {
-      double turned = real * x[i] - imaginary * y[i];
-      imaginary = real * y[i] + imaginary * x[i];
-      real = turned;
-    }
-    sine[i] = imaginary;
-    cosine[i] = real; /* last: where m is 0 both are one row */
+/* The terms of frequencies m and -m at point number i. */
+static void fill_point(double *terms, int order, int m, const placido_zernike_step *steps, double x,
+                       double y, size_t i, size_t count) {
+  double power[2], s = x * x + y * y, q = 1, before = 0;
+  power_of(power, x, y, m);
+  for (int n = m, k = 0; n <= order; n += 2, k++) {
+    double value = placido_zernike_norm(n, m) * q;
+    terms[(size_t)placido_zernike_index(n, -m) * count + i] = value * power[1];
+    terms[(size_t)placido_zernike_index(n, m) * count + i] = value * power[0]; /* m = 0: one row */
+    double next = (steps[k].by_s * s + steps[k].constant) * q - steps[k].before * before;
+    before = q;
+    q = next;
   }
 }
 
 void placido_zernike_terms(double *terms, int order, const double *x, const double *y,
                            size_t count) {
-  for (int n = 0; n <= order; n++) {
-    for (int m = n % 2; m <= n; m += 2) {
-      fill_pair(terms + (size_t)placido_zernike_index(n, m) * count,
-                terms + (size_t)placido_zernike_index(n, -m) * count, n, m, x, y, count);
+  placido_zernike_step steps[PLACIDO_ZERNIKE_POWERS];
+  for (int m = 0; m <= order; m++) {
+    for (int k = 0; k < PLACIDO_ZERNIKE_POWERS; k++) {
+      steps[k] = placido_zernike_step_of(m, k);
+    }
+    for (size_t i = 0; i < count; i++) {
+      fill_point(terms, order, m, steps, x[i], y[i], i, count);
     }
   }
 }

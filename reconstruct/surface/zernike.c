@@ -1,4 +1,4 @@
-/* Zernike: a sum of OSA/ANSI normalised circle polynomials, as a polynomial in x and y.
+/* Zernike: a sum of OSA/ANSI normalised circle polynomials.
  * Indices, signs and normalisation: ANSI Z80.28; Thibos et al., "Standards for reporting the
  * optical aberrations of eyes", J. Refract. Surg. 18, S652-S660 (2002), eqs. 1 to 4.
  * The terms of one |m| share rho^|m| cos(m theta) and rho^|m| sin(m theta), the real and imaginary
@@ -21,9 +21,10 @@
 struct zernike {
   double scale;                             /* 1 / radius */
   int order;                                /* highest |m| with a coefficient */
-  int powers[ORDER_MAX + 1];                /* used in s for each |m|; 0: none */
-  double cosine[ORDER_MAX + 1][POWERS + 2]; /* mm, by |m| and the power of s */
-  double sine[ORDER_MAX + 1][POWERS + 2];
+  int counts[ORDER_MAX + 1];                /* of polynomials in s for each |m|; 0: none */
+  double cosine[ORDER_MAX + 1][POWERS];     /* mm, with the norm, by |m| and the polynomial */
+  double sine[ORDER_MAX + 1][POWERS];
+  placido_zernike_step steps[ORDER_MAX + 1][POWERS];
 };
 
 static const placido_part_field fields[] = {
@@ -51,13 +52,10 @@ static bool check(const placido_part *part, placido_complaint *complaint) {
 
 /* Adds coefficient (mm) times the term of order n and frequency m. */
 static void add_term(struct zernike *z, int n, int m, double coefficient) {
-  int frequency = abs(m);
-  double radial[POWERS], *powers = m < 0 ? z->sine[frequency] : z->cosine[frequency];
-  int count = placido_zernike_radial(radial, n, m);
-  for (int k = 0; k < count; k++) {
-    powers[k] += coefficient * radial[k];
-  }
-  z->powers[frequency] = count > z->powers[frequency] ? count : z->powers[frequency];
+  int frequency = abs(m), k = (n - frequency) / 2;
+  double *list = m < 0 ? z->sine[frequency] : z->cosine[frequency];
+  list[k] = coefficient * placido_zernike_norm(n, m);
+  z->counts[frequency] = k + 1 > z->counts[frequency] ? k + 1 : z->counts[frequency];
   z->order = frequency > z->order ? frequency : z->order;
 }
 
@@ -68,6 +66,11 @@ static int prepare(void **state, placido_part *part, placido_error *err) {
     return PLACIDO_MEMORY;
   }
   z->scale = 1 / part->as.zernike.radius_mm;
+  for (int m = 0; m <= ORDER_MAX; m++) {
+    for (int k = 0; k < POWERS; k++) {
+      z->steps[m][k] = placido_zernike_step_of(m, k);
+    }
+  }
   int j = 0;
   for (int n = 0; n <= ORDER_MAX; n++) {
     for (int m = -n; m <= n; m += 2, j++) {
@@ -79,17 +82,20 @@ static int prepare(void **state, placido_part *part, placido_error *err) {
   return PLACIDO_OK;
 }
 
-/* A polynomial in s with its first two derivatives, by Horner's rule. */
-static void polynomial(const double *coefficients, int count, double s, double value[3]) {
-  double f = 0, first = 0, half_second = 0;
-  for (int k = count - 1; k >= 0; k--) {
-    half_second = half_second * s + first;
-    first = first * s + f;
-    f = f * s + coefficients[k];
+/* Sums of the polynomials of one frequency with their first two derivatives by s. */
+static void add_up(const struct zernike *z, int m, double s, double cosine[3], double sine[3]) {
+  double now[3] = {1, 0, 0}, before[3] = {0, 0, 0};
+  for (int k = 0; k < z->counts[m]; k++) {
+    const placido_zernike_step step = z->steps[m][k];
+    double factor = step.by_s * s + step.constant, next[3];
+    for (int d = 0; d < 3; d++) {
+      cosine[d] += z->cosine[m][k] * now[d];
+      sine[d] += z->sine[m][k] * now[d];
+      next[d] = factor * now[d] + (d > 0 ? d * step.by_s * now[d - 1] : 0) - step.before * before[d];
+    }
+    memcpy(before, now, sizeof before);
+    memcpy(now, next, sizeof now);
   }
-  value[0] = f;
-  value[1] = first;
-  value[2] = 2 * half_second;
 }
 
 /* Adds the product of a radial polynomial in s and a harmonic h: value, x- and y-derivatives, xx
@@ -109,15 +115,14 @@ static void add_product(placido_jet *jet, double x, double y, const double p[3],
 
 static void add_frequency(const struct zernike *z, int m, double x, double y,
                           const double power[3][2], placido_jet *jet) {
-  double s = x * x + y * y, radial[3];
+  double radial_cosine[3] = {0}, radial_sine[3] = {0};
   double d = m, dd = (double)m * (m - 1);
   const double *now = power[2], *before = power[1], *first = power[0];
   const double cosine[5] = {now[0], d * before[0], -d * before[1], dd * first[0], -dd * first[1]};
   const double sine[5] = {now[1], d * before[1], d * before[0], dd * first[1], dd * first[0]};
-  polynomial(z->cosine[m], z->powers[m], s, radial);
-  add_product(jet, x, y, radial, cosine);
-  polynomial(z->sine[m], z->powers[m], s, radial);
-  add_product(jet, x, y, radial, sine);
+  add_up(z, m, x * x + y * y, radial_cosine, radial_sine);
+  add_product(jet, x, y, radial_cosine, cosine);
+  add_product(jet, x, y, radial_sine, sine);
 }
 
 static bool add(const void *state, double x_mm, double y_mm, placido_jet *jet) {
@@ -126,7 +131,7 @@ static bool add(const void *state, double x_mm, double y_mm, placido_jet *jet) {
   placido_jet unit = {0};
   double power[3][2] = {{0, 0}, {0, 0}, {1, 0}}; /* (x + iy)^(m-2), ^(m-1), ^m */
   for (int m = 0; m <= z->order; m++) {
-    if (z->powers[m] > 0) {
+    if (z->counts[m] > 0) {
       add_frequency(z, m, x, y, (const double(*)[2])power, &unit);
     }
     memmove(power[0], power[1], sizeof power - sizeof power[0]);

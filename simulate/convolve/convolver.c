@@ -12,6 +12,7 @@
 #include <string.h>
 
 #define SIDE_MAX_PX 65536
+#define SIZE_MAX_PX 16384 /* of a transform that is asked for: a gigabyte of floats */
 #define THREADS_MAX 256
 #define MEGABYTE 1e6
 
@@ -57,6 +58,11 @@ static int check(int width, int height, int reach, const placido_convolution *ho
     return placido_error_set(err, PLACIDO_INPUT, "%g MB for a convolution, expected 0 or more",
                              how->memory_MB);
   }
+  if (how->size_px < 0 || how->size_px > SIZE_MAX_PX) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "transforms of at least %d samples a side, expected 0 to %d",
+                             how->size_px, SIZE_MAX_PX);
+  }
   if (how->threads < 0 || how->threads > THREADS_MAX) {
     return placido_error_set(err, PLACIDO_INPUT, "%d threads, expected 0 to %d", how->threads,
                              THREADS_MAX);
@@ -93,7 +99,8 @@ int placido_convolver_new(placido_convolver **convolver, int width_px, int heigh
   }
   double bytes = MEGABYTE * (how->memory_MB > 0 ? how->memory_MB : usual_memory_MB);
   c->precision = how->doubles ? &placido_precision_double : &placido_precision_float;
-  c->layout = placido_layout_find(width_px, height_px, reach_px, bytes, c->precision->sample_bytes);
+  c->layout = placido_layout_find(width_px, height_px, reach_px, bytes, how->size_px,
+                                  c->precision->sample_bytes);
   c->width = width_px;
   c->height = height_px;
   c->reach = reach_px;

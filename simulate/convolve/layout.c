@@ -12,20 +12,24 @@
 
 #define TILES_MAX 64 /* along an axis: a quarter of a thousand samples of the largest plane */
 
-static placido_axis whole(int length, int reach) {
+static int padded_of(int needed, int least) {
+  return placido_fft_fast_length(needed > least ? needed : least);
+}
+
+static placido_axis whole(int length, int reach, int least) {
   return (placido_axis){.length = length,
                         .reach = reach,
                         .tiles = 1,
                         .tile = length,
-                        .padded = placido_fft_fast_length(length + reach)};
+                        .padded = padded_of(length + reach, least)};
 }
 
-static placido_axis cut(int length, int reach, int tiles) {
+static placido_axis cut(int length, int reach, int tiles, int least) {
   if (tiles == 1) {
-    return whole(length, reach);
+    return whole(length, reach, least);
   }
   placido_axis axis = {.length = length, .reach = reach, .lead = reach};
-  axis.padded = placido_fft_fast_length((length + tiles - 1) / tiles + 2 * reach);
+  axis.padded = padded_of((length + tiles - 1) / tiles + 2 * reach, least);
   axis.tile = axis.padded - 2 * reach;
   axis.tiles = (length + axis.tile - 1) / axis.tile;
   return axis;
@@ -55,19 +59,20 @@ static bool is_better(const placido_layout *one, const placido_layout *other, do
 }
 
 placido_layout placido_layout_find(int width, int height, int reach, double bytes_max,
-                                   size_t sample_bytes) {
+                                   int padded_least, size_t sample_bytes) {
   /* A PSF wider than the plane: buckets farther out than the plane is long meet nothing. */
   int reach_x = reach < width ? reach : width - 1, reach_y = reach < height ? reach : height - 1;
-  placido_layout best = {whole(width, reach_x), whole(height, reach_y)};
+  placido_layout best = {whole(width, reach_x, padded_least),
+                         whole(height, reach_y, padded_least)};
   placido_axis columns[TILES_MAX];
   if (bytes_of(&best, sample_bytes) <= fmin(bytes_max, easy_bytes)) {
     return best;
   }
   for (int i = 0; i < TILES_MAX; i++) {
-    columns[i] = cut(width, reach_x, i + 1);
+    columns[i] = cut(width, reach_x, i + 1, padded_least);
   }
   for (int i = 0; i < TILES_MAX; i++) {
-    placido_layout layout = {.y = cut(height, reach_y, i + 1)};
+    placido_layout layout = {.y = cut(height, reach_y, i + 1, padded_least)};
     for (int k = 0; k < TILES_MAX; k++) {
       layout.x = columns[k];
       if (is_better(&layout, &best, bytes_max, sample_bytes)) {
@@ -78,16 +83,16 @@ placido_layout placido_layout_find(int width, int height, int reach, double byte
   return best;
 }
 
-static int least(int a, int b) {
+static int lesser(int a, int b) {
   return a < b ? a : b;
 }
 
 placido_stretch placido_axis_stretch(const placido_axis *axis, int index) {
   int first = index * axis->tile, begin = first - axis->lead;
   int from = begin > 0 ? begin : 0;
-  int end = least(begin + axis->padded, axis->length);
+  int end = lesser(begin + axis->padded, axis->length);
   return (placido_stretch){.first = first,
-                           .count = least(axis->tile, axis->length - first),
+                           .count = lesser(axis->tile, axis->length - first),
                            .lead = axis->lead,
                            .from = from,
                            .used = end - from,

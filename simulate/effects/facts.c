@@ -3,6 +3,7 @@
 #include "simulate/effects/facts.h"
 
 #include "base/dispatch.h"
+#include "simulate/canvas.h"
 
 #include <math.h>
 
@@ -250,6 +251,10 @@ int placido_facts_find(placido_facts *facts, const placido_scene *scene, placido
     return placido_error_set(err, PLACIDO_INPUT,
                              "scene %s: %d by %d samples in %d planes, expected 1, 3 or 4 planes",
                              scene->name, image->width_px, image->height_px, image->planes);
+  }
+  int status = placido_scene_check_light(scene, err);
+  if (status != PLACIDO_OK) {
+    return status;
   }
   facts->planes = image->planes == 1 ? 1 : 3;
   facts->width_deg = (image->width_px - 2 * scene->bleed_px) * scene->arcmin_per_px / 60;

@@ -13,10 +13,11 @@
 #include <math.h>
 
 enum { TERMS_MAX = 136, SAMPLES_LEAST = 96, SAMPLES_MOST = 1024, MARGIN = 3 };
-enum { STEPS_MAX = 8, RIM = 64 };
+enum { STEPS_MAX = 16, RIM = 64 };
 
 static const double surface_spacing_mm = 0.025; /* half a knot of the finest fit */
 static const double settled_mm = 1e-5; /* of a way: a millionth of a millimetre at the entry */
+static const double retreat = 0.9;     /* of a way whose entry was beyond the surface */
 
 static void take(placido_pupil *pupil, double *opd_um, int n, double pupil_mm,
                  double spacing_mm) {
@@ -82,16 +83,15 @@ typedef struct sight {
   double *x_mm, *y_mm;  /* where the ray of each sample enters */
 } sight;
 
-/* A ray that enters at (x, y): its depth there and its way from there to the focus; false where the
- * surface is not defined. */
-static bool enter(const sight *s, double x_mm, double y_mm, double *depth_mm, double *way_mm) {
-  placido_jet jet;
-  if (!placido_surface_at(s->surface, x_mm, y_mm, &jet)) {
+/* A ray that enters at (x, y): the surface there, its sag counted from the axis, and the ray's way
+ * to the focus; false where the surface is not defined. */
+static bool enter(const sight *s, double x_mm, double y_mm, placido_jet *entry, double *way_mm) {
+  if (!placido_surface_at(s->surface, x_mm, y_mm, entry)) {
     return false;
   }
-  *depth_mm = jet.sag - s->apex.axis_sag_mm;
+  entry->sag -= s->apex.axis_sag_mm;
   double dx = x_mm - s->focus_mm[0], dy = y_mm - s->focus_mm[1];
-  double dz = *depth_mm - s->focus_mm[2];
+  double dz = entry->sag - s->focus_mm[2];
   *way_mm = sqrt(dx * dx + dy * dy + dz * dz);
   return true;
 }
@@ -106,20 +106,30 @@ static double first_way_mm(const sight *s, double x_mm, double y_mm) {
 }
 
 /* The path difference of the ray whose direction to the focus has these sines: it enters where that
- * direction, followed back, meets the surface. Each step lessens the error twentyfold. */
+ * direction, followed back, meets the surface, found by Newton's method in the ray's way. What leads
+ * beyond the surface goes half of the way back. NaN where there is no such entry. */
 static double trace(const sight *s, double across, double along, double *x_mm, double *y_mm) {
-  double depth_mm = 0, way_mm = first_way_mm(s, across * s->focus_mm[2], along * s->focus_mm[2]);
-  double change_mm = INFINITY;
-  for (int step = 0; step < STEPS_MAX && change_mm > settled_mm; step++) {
-    double before_mm = way_mm;
+  double way_mm = first_way_mm(s, across * s->focus_mm[2], along * s->focus_mm[2]), inside_mm = 0;
+  for (int step = 0; step < STEPS_MAX; step++) {
+    placido_jet entry;
+    double found_mm;
     *x_mm = s->focus_mm[0] + across * way_mm;
     *y_mm = s->focus_mm[1] + along * way_mm;
-    if (!enter(s, *x_mm, *y_mm, &depth_mm, &way_mm)) {
-      return NAN;
+    if (!enter(s, *x_mm, *y_mm, &entry, &found_mm)) {
+      way_mm = inside_mm > 0 ? (way_mm + inside_mm) / 2 : retreat * way_mm;
+      continue;
     }
-    change_mm = fabs(way_mm - before_mm);
+    inside_mm = way_mm;
+    double growth = ((across * across + along * along) * way_mm +
+                     (entry.sag - s->focus_mm[2]) * (across * entry.sx + along * entry.sy)) /
+                    found_mm;
+    double change_mm = (found_mm - way_mm) / (1 - growth);
+    if (fabs(change_mm) <= settled_mm) {
+      return 1e3 * (s->chief_mm - placido_path_mm(s->eye, *x_mm, *y_mm, entry.sag, s->focus_mm));
+    }
+    way_mm += change_mm;
   }
-  return 1e3 * (s->chief_mm - placido_path_mm(s->eye, *x_mm, *y_mm, depth_mm, s->focus_mm));
+  return NAN;
 }
 
 static void trace_line(double *opd_um, const sight *s, int row) {
@@ -153,10 +163,11 @@ static void find_amplitude(double *amplitude, const sight *s) {
 static double rim_mm(const sight *s) {
   double sum = 0, count = 0;
   for (int i = 0; i < RIM; i++) {
-    double angle = 2 * acos(-1) * i / RIM, depth_mm, way_mm;
+    double angle = 2 * acos(-1) * i / RIM, way_mm;
+    placido_jet entry;
     double x = s->eye->pupil_x_mm + s->eye->pupil_mm / 2 * cos(angle);
     double y = s->eye->pupil_y_mm + s->eye->pupil_mm / 2 * sin(angle);
-    if (enter(s, x, y, &depth_mm, &way_mm)) {
+    if (enter(s, x, y, &entry, &way_mm)) {
       sum += s->focus_mm[2] * hypot((x - s->focus_mm[0]) / way_mm - s->across,
                                     (y - s->focus_mm[1]) / way_mm - s->along);
       count++;
@@ -167,7 +178,8 @@ static double rim_mm(const sight *s) {
 
 static int look(sight *s, const placido_surface *surface, const placido_eye *eye,
                 const double focus_mm[3], placido_error *err) {
-  double depth_mm = 0, way_mm = 1;
+  placido_jet entry = {0};
+  double way_mm = 1;
   *s = (sight){.surface = surface, .eye = eye, .focus_mm = focus_mm};
   if (!(focus_mm[2] >= 1 && focus_mm[2] <= 1000)) {
     return placido_error_set(err, PLACIDO_INPUT, "a focus %g mm behind the cornea, expected 1 to "
@@ -177,8 +189,8 @@ static int look(sight *s, const placido_surface *surface, const placido_eye *eye
   if (status != PLACIDO_OK) {
     return status;
   }
-  enter(s, eye->pupil_x_mm, eye->pupil_y_mm, &depth_mm, &way_mm); /* defined: the apex was found */
-  s->chief_mm = placido_path_mm(eye, eye->pupil_x_mm, eye->pupil_y_mm, depth_mm, focus_mm);
+  enter(s, eye->pupil_x_mm, eye->pupil_y_mm, &entry, &way_mm); /* defined: the apex was found */
+  s->chief_mm = placido_path_mm(eye, eye->pupil_x_mm, eye->pupil_y_mm, entry.sag, focus_mm);
   s->across = (eye->pupil_x_mm - focus_mm[0]) / way_mm;
   s->along = (eye->pupil_y_mm - focus_mm[1]) / way_mm;
   return PLACIDO_OK;

@@ -8,7 +8,9 @@
 #include <string.h>
 
 /* Of a long file only some places are cut or changed: a run stays within seconds. */
+#ifndef PLACES_MAX
 #define PLACES_MAX 400
+#endif
 
 static void play_damaged(const uint8_t *bytes, size_t size) {
   const size_t step = size / PLACES_MAX + 1;

@@ -110,6 +110,11 @@ static void what_shows_no_mires_is_refused(void **state) {
   instrument.width_px = 1280;
   placido_mires_options few = {.meridians = 5};
   expect_refusal(&frame, &instrument, &few, PLACIDO_INPUT, "meridians");
+  static const double filters_px[] = {0.5, 4.1, -1, NAN};
+  for (int i = 0; i < 4; i++) {
+    placido_mires_options filter = {.filter_px = filters_px[i]};
+    expect_refusal(&frame, &instrument, &filter, PLACIDO_INPUT, "filter");
+  }
   for (int white = 0; white < 2; white++) {
     memset(frame.data, white * 255, (size_t)frame.height_px * frame.stride_bytes);
     expect_refusal(&frame, &instrument, NULL, PLACIDO_QUALITY, "no mires");

@@ -11,9 +11,8 @@ static double wave(int i) {
   return sin(1.7 * i + 0.3 * i * i);
 }
 
-static void the_spline_s_derivatives_agree_with_differences(void **state) {
-  (void)state;
-  placido_grid grid = placido_grid_covering(2, 0.4);
+static void check_derivatives(int degree) {
+  placido_grid grid = placido_grid_covering(2, 0.4, degree);
   double *c = calloc((size_t)(grid.side * grid.side), sizeof *c);
   for (int i = 0; i < grid.side * grid.side; i++) {
     c[i] = wave(i);
@@ -36,9 +35,14 @@ static void the_spline_s_derivatives_agree_with_differences(void **state) {
   free(c);
 }
 
-static void the_basis_sums_to_one_up_to_the_border(void **state) {
+static void the_spline_s_derivatives_agree_with_differences(void **state) {
   (void)state;
-  placido_grid grid = placido_grid_covering(1.9, 0.35);
+  check_derivatives(5);
+  check_derivatives(3);
+}
+
+static void check_sums(int degree) {
+  placido_grid grid = placido_grid_covering(1.9, 0.35, degree);
   assert_true(grid.half_mm >= 1.9);
   placido_basis basis;
   for (double x = -grid.half_mm; x <= grid.half_mm; x += grid.half_mm / 7) {
@@ -55,10 +59,15 @@ static void the_basis_sums_to_one_up_to_the_border(void **state) {
   assert_false(placido_grid_basis(&grid, NAN, 0, &basis));
 }
 
-/* A cell's polynomial is the spline in it. */
-static void the_cell_s_polynomial_is_the_spline(void **state) {
+static void the_basis_sums_to_one_up_to_the_border(void **state) {
   (void)state;
-  placido_grid grid = placido_grid_covering(2, 0.4);
+  check_sums(5);
+  check_sums(3);
+}
+
+/* A cell's polynomial is the spline in it. */
+static void check_polynomial(int degree) {
+  placido_grid grid = placido_grid_covering(2, 0.4, degree);
   double *c = calloc((size_t)(grid.side * grid.side), sizeof *c);
   for (int i = 0; i < grid.side * grid.side; i++) {
     c[i] = wave(i);
@@ -79,6 +88,12 @@ static void the_cell_s_polynomial_is_the_spline(void **state) {
     assert_near(sum, value[0], 1e-14);
   }
   free(c);
+}
+
+static void the_cell_s_polynomial_is_the_spline(void **state) {
+  (void)state;
+  check_polynomial(5);
+  check_polynomial(3);
 }
 
 /* Some rays onto a bowl, all around and beyond the spline. */
@@ -106,7 +121,7 @@ static void a_bundle_is_its_rays(void **state) {
   const placido_conicoid base = {7.8, -0.2, 0.1, -0.1, 0};
   const placido_part part = {.kind = PLACIDO_PART_BICONIC,
                              .as.biconic = {7.8, -0.2, 7.8, -0.2, 0, 0.1, -0.1}};
-  placido_grid grid = placido_grid_covering(1.8, 0.4);
+  placido_grid grid = placido_grid_covering(1.8, 0.4, PLACIDO_SPLINE_DEGREE);
   double *c = calloc((size_t)(grid.side * grid.side), sizeof *c);
   for (int i = 0; i < grid.side * grid.side; i++) {
     c[i] = 1e-3 * wave(i);
@@ -161,9 +176,8 @@ static void add_rows(placido_normal *normal, int column, int row, int seed) {
 }
 
 /* The selected inverse must be the inverse: column by column against plain solutions. */
-static void the_selected_inverse_gives_the_variances(void **state) {
-  (void)state;
-  placido_grid grid = placido_grid_covering(1.2, 0.4);
+static void check_inverse(int degree) {
+  placido_grid grid = placido_grid_covering(1.2, 0.4, degree);
   int n = grid.side * grid.side;
   placido_normal *normal;
   assert_int_equal(placido_normal_new(&normal, &grid, NULL), PLACIDO_OK);
@@ -182,10 +196,9 @@ static void the_selected_inverse_gives_the_variances(void **state) {
     int column = trial % grid.cells, row = (trial * 2) % grid.cells;
     double v[PLACIDO_SPLINE_CELL], direct = 0;
     double *right = calloc((size_t)n, sizeof *right);
-    for (int i = 0; i < PLACIDO_SPLINE_CELL; i++) {
+    for (int i = 0; i < grid.order * grid.order; i++) {
       v[i] = wave(trial * 100 + i);
-      right[(row + i / PLACIDO_SPLINE_ORDER) * grid.side + column + i % PLACIDO_SPLINE_ORDER] =
-          v[i];
+      right[(row + i / grid.order) * grid.side + column + i % grid.order] = v[i];
     }
     assert_int_equal(placido_normal_solve_more(normal, right, 1, x, NULL), PLACIDO_OK);
     for (int i = 0; i < n; i++) {
@@ -201,11 +214,16 @@ static void the_selected_inverse_gives_the_variances(void **state) {
   free(x);
 }
 
+static void the_selected_inverse_gives_the_variances(void **state) {
+  (void)state;
+  check_inverse(5);
+  check_inverse(3);
+}
+
 /* The penalty must leave a paraboloid alone, so that no sphere, cylinder or tilt is biased: with
  * its coefficients as the start there is nothing to do. */
-static void smoothing_leaves_quadratics_alone(void **state) {
-  (void)state;
-  placido_grid grid = placido_grid_covering(1.2, 0.4);
+static void check_smoothing(int degree) {
+  placido_grid grid = placido_grid_covering(1.2, 0.4, degree);
   int n = grid.side * grid.side;
   placido_normal *normal;
   assert_int_equal(placido_normal_new(&normal, &grid, NULL), PLACIDO_OK);
@@ -238,9 +256,15 @@ static void smoothing_leaves_quadratics_alone(void **state) {
   free(step);
 }
 
+static void smoothing_leaves_quadratics_alone(void **state) {
+  (void)state;
+  check_smoothing(5);
+  check_smoothing(3);
+}
+
 static void nothing_known_is_refused(void **state) {
   (void)state;
-  placido_grid grid = placido_grid_covering(1.2, 0.4);
+  placido_grid grid = placido_grid_covering(1.2, 0.4, PLACIDO_SPLINE_DEGREE);
   placido_normal *normal;
   placido_error err = {0};
   assert_int_equal(placido_normal_new(&normal, &grid, NULL), PLACIDO_OK);

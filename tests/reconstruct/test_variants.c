@@ -26,7 +26,7 @@ static placido_mires points_of(placido_instrument *instrument, double *axis_z_mm
 
 /* A fit with noise alone, or with all three sources; the geometry is a focal length and two edges.
  */
-static placido_fit *fit_of(bool all) {
+static placido_fit *fit_of(bool all, int degree) {
   placido_instrument instrument;
   placido_uncertainty geometry;
   placido_error err = {0};
@@ -39,6 +39,7 @@ static placido_fit *fit_of(bool all) {
   placido_fit_options options = {.axis_z_mm = axis_z_mm,
                                  .axis_z_sigma_mm = all ? 0.05 : 0,
                                  .geometry = all ? &geometry : NULL,
+                                 .degree = degree,
                                  .threads = 2};
   placido_fit *fit;
   int status = placido_fit_new(&fit, &mires, &instrument, &options, NULL, &err);
@@ -108,9 +109,8 @@ static void squares(placido_sigma out[PLACIDO_SIGMA_SOURCES], const placido_fit 
 
 /* The noise's steps are draws: a single sigma of theirs scatters by one eighth (chi square of 32),
  * and the mean of twelve places, not all independent, by less. */
-static void draws_have_the_noise_s_sigmas(void **state) {
-  (void)state;
-  placido_fit *fit = fit_of(false);
+static void check_draws(int degree) {
+  placido_fit *fit = fit_of(false, degree);
   double z = 0, a = 0;
   for (int i = 0; i < PLACES; i++) {
     double x, y, sigma_um, sigma_D;
@@ -133,9 +133,8 @@ static void draws_have_the_noise_s_sigmas(void **state) {
 
 /* Distance and geometry are one step each, to first order exact; what a step of 0.05 mm bends
  * beyond that is some 1e-3 of it. */
-static void steps_of_distance_and_geometry_are_exact(void **state) {
-  (void)state;
-  placido_fit *fit = fit_of(true);
+static void check_steps(int degree) {
+  placido_fit *fit = fit_of(true, degree);
   placido_sigma budget[PLACIDO_SIGMA_SOURCES], sums[PLACIDO_SIGMA_SOURCES] = {{0}};
   int n = 0, half = (int)(ZONE_MM / 2 / STEP_MM);
   placido_fit_budget(fit, ZONE_MM, budget);
@@ -158,11 +157,23 @@ static void steps_of_distance_and_geometry_are_exact(void **state) {
   placido_fit_free(fit);
 }
 
+static void draws_have_the_noise_s_sigmas(void **state) {
+  (void)state;
+  check_draws(5);
+  check_draws(3);
+}
+
+static void steps_of_distance_and_geometry_are_exact(void **state) {
+  (void)state;
+  check_steps(5);
+  check_steps(3);
+}
+
 /* The same fit on the same points has the same variants, by any number of threads: draws are keyed.
  */
 static void variants_are_the_same_every_time(void **state) {
   (void)state;
-  placido_fit *fits[2] = {fit_of(true), fit_of(true)};
+  placido_fit *fits[2] = {fit_of(true, 5), fit_of(true, 5)};
   assert_int_equal(placido_fit_variant_count(fits[0]), PLACIDO_NOISE_VARIANTS + 1 + 3);
   for (int v = 0; v < placido_fit_variant_count(fits[0]); v += 5) {
     placido_surface *variants[2];

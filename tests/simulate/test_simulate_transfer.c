@@ -242,8 +242,9 @@ static void test_tiles_give_what_the_whole_gives(void **state) {
     float *source = noise_plane(width, height, 7);
     double bound = 2 * rounding_bound(source, width, height, &psf, float_unit);
     float *whole = convolved_plane(source, width, height, &psf, NULL);
-    for (double memory_MB = 0.002; memory_MB < 1; memory_MB *= 3) {
-      const placido_convolution how = {.memory_MB = memory_MB};
+    for (int knob = 0; knob < 9; knob++) {
+      const placido_convolution how = {.memory_MB = knob < 6 ? 0.002 * pow(3, knob) : 0.02,
+                                       .size_px = knob < 6 ? 0 : 50 << (2 * (knob - 6))};
       float *tiled = convolved_plane(source, width, height, &psf, &how);
       for (int k = 0; k < width * height; k++) {
         assert_near(tiled[k], whole[k], bound);
@@ -263,7 +264,9 @@ static void test_tiles_cover_the_plane_and_fit_into_the_memory(void **state) {
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     for (double bytes = 1e6; bytes < 1e12; bytes *= 4) {
       int width = cases[i][0], height = cases[i][1], reach = cases[i][2];
-      placido_layout layout = placido_layout_find(width, height, reach, bytes, 4);
+      int least = i % 2 ? 1000 : 0;
+      placido_layout layout = placido_layout_find(width, height, reach, bytes, least, 4);
+      assert_true(layout.x.padded >= least && layout.y.padded >= least);
       const placido_axis *axes[] = {&layout.x, &layout.y};
       if (bytes >= 4e7) {
         assert_true(4.0 * layout.x.padded * layout.y.padded <= bytes);
@@ -311,7 +314,8 @@ static void test_what_does_not_fit_is_refused(void **state) {
   double values[25] = {0};
   const placido_psf psf = {.n = 5, .values = values}, even = {.n = 4, .values = values};
   const placido_convolution bad[] = {
-      {.memory_MB = -1}, {.memory_MB = NAN}, {.threads = -1}, {.threads = 257}};
+      {.memory_MB = -1}, {.memory_MB = NAN}, {.threads = -1},
+      {.threads = 257},  {.size_px = -1},    {.size_px = 16385}};
   placido_convolver *convolver;
   placido_transfer *transfer;
   const int sizes[][3] = {{0, 5, 1}, {5, 65537, 1}, {5, 5, -1}, {5, 5, 65537}};
@@ -319,6 +323,8 @@ static void test_what_does_not_fit_is_refused(void **state) {
     assert_int_equal(
         placido_convolver_new(&convolver, sizes[i][0], sizes[i][1], sizes[i][2], NULL, NULL, NULL),
         PLACIDO_INPUT);
+  }
+  for (int i = 0; i < 6; i++) {
     assert_int_equal(placido_convolver_new(&convolver, 9, 9, 1, &bad[i], NULL, NULL),
                      PLACIDO_INPUT);
     assert_null(convolver);

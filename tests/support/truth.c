@@ -63,13 +63,20 @@ placido_mires truth_points(const placido_surface *surface, const placido_instrum
                          .centre_v_px = instrument->principal_px[1],
                          .edge_count = instrument->edge_count,
                          .meridian_count = meridians};
-  mires.points = calloc((size_t)instrument->edge_count * (size_t)meridians, sizeof *mires.points);
+  const size_t places = (size_t)instrument->edge_count * (size_t)meridians;
+  double(*at_px)[2] = calloc(places, sizeof *at_px); /* edges together, meridian by meridian */
+  mires.points = calloc(places, sizeof *mires.points);
+  assert_non_null(at_px);
   assert_non_null(mires.points);
+  for (int m = 0; m < meridians; m++) {
+    placido_phantom_edges_at(surface, instrument, instrument->principal_px, 360.0 * m / meridians,
+                             at_px + (size_t)m * (size_t)instrument->edge_count);
+  }
   for (int k = 0; k < instrument->edge_count; k++) {
     for (int m = 0; m < meridians; m++) {
-      double deg = 360.0 * m / meridians, at[2];
-      if ((hidden && hidden(k, deg)) ||
-          !placido_phantom_edge_at(surface, instrument, k, instrument->principal_px, deg, at)) {
+      double deg = 360.0 * m / meridians;
+      const double *at = at_px[m * instrument->edge_count + k];
+      if ((hidden && hidden(k, deg)) || isnan(at[0])) {
         continue;
       }
       double off = sigma_px * noise((uint64_t)k * 100003u + (uint64_t)m);
@@ -84,6 +91,7 @@ placido_mires truth_points(const placido_surface *surface, const placido_instrum
                                                          .residual_px = NAN};
     }
   }
+  free(at_px);
   return mires;
 }
 

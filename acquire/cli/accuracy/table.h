@@ -11,7 +11,7 @@ enum accuracy_stage {
   ACCURACY_FIT,         /* knot_mm, degree, tolerance */
   ACCURACY_TRACE,       /* samples (rays), pattern */
   ACCURACY_PSF,         /* bucket_arcmin, buckets, wavelengths */
-  ACCURACY_CONVOLUTION, /* doubles, memory_MB, size */
+  ACCURACY_CONVOLUTION, /* doubles, memory_MB, size_px */
   ACCURACY_ACUITY,      /* trials */
   ACCURACY_REST,        /* what no knob changes: maps, indices, wavefront; without errors */
   ACCURACY_FLOOR,       /* everything at its finest against the truth: what measuring itself costs */

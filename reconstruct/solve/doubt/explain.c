@@ -39,7 +39,7 @@ static int equations_new(struct equations *e, int modes, placido_error *err) {
 /* Turns the change of the residuals under a surface that is held into what is left of it once the
  * surface has answered. */
 static void let_surface_answer(placido_moves *moves, const placido_refinement *r) {
-  int side = r->shape.grid->side;
+  int side = r->shape.grid->side, order = r->shape.grid->order;
   size_t n = (size_t)side * (size_t)side;
 #pragma omp parallel for num_threads(r->threads)
   for (size_t i = 0; i < r->count; i++) {
@@ -52,8 +52,8 @@ static void let_surface_answer(placido_moves *moves, const placido_refinement *r
     for (int m = 0; m < moves->modes; m++) {
       const double *corner =
           moves->coefficients + (size_t)m * n + s->basis.row * side + s->basis.column;
-      for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
-        change[m] += row[k] * corner[k / PLACIDO_SPLINE_ORDER * side + k % PLACIDO_SPLINE_ORDER];
+      for (int k = 0; k < order * order; k++) {
+        change[m] += row[k] * corner[k / order * side + k % order];
       }
     }
   }

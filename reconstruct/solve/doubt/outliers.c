@@ -85,7 +85,8 @@ int placido_outliers_cut(placido_sample *samples, size_t count, double *work, si
   return PLACIDO_OK;
 }
 
-/* The median distance of neighbouring edges along a meridian, in the image. */
+/* The median distance of neighbouring edges along a meridian, in the image; NaN where no meridian
+ * shows two edges. */
 static int edge_distance(double *distance_px, const placido_mires *mires, double *gaps,
                          placido_error *err) {
   size_t meridians = (size_t)mires->meridian_count, n = 0;
@@ -98,8 +99,8 @@ static int edge_distance(double *distance_px, const placido_mires *mires, double
     size_t m = (size_t)lrint(a->meridian_deg * (double)meridians / 360) % meridians;
     if (last[m]) {
       const placido_mire_point *b = &mires->points[last[m] - 1];
-      if (a->edge == b->edge + 1) {
-        gaps[n++] = hypot(a->u_px - b->u_px, a->v_px - b->v_px);
+      if (a->edge > b->edge) {
+        gaps[n++] = hypot(a->u_px - b->u_px, a->v_px - b->v_px) / (a->edge - b->edge);
       }
     }
     last[m] = i + 1;
@@ -121,6 +122,10 @@ int placido_outliers_judge(const placido_sample *samples, size_t count,
     return status;
   }
   placido_memory_free(deviation);
+  if (isnan(distance)) {
+    return placido_error_set(err, PLACIDO_QUALITY,
+                             "no meridian shows more than one edge: a surface needs two at least");
+  }
   double spread = placido_samples_spread(samples, count, work);
   double rough = placido_noise_rough(samples, count, mires, 1, work);
   if (!(astray < ASTRAY * distance)) {

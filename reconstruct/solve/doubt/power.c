@@ -37,6 +37,11 @@ int placido_power_check(const placido_surface *surface, placido_error *err) {
   if (power > POWER_LEAST_D && power < POWER_MOST_D) {
     return PLACIDO_OK;
   }
+  if (isnan(power)) {
+    return placido_error_set(err, PLACIDO_QUALITY,
+                             "nothing is left of the map, or too little to tell its power: the "
+                             "points lie on a line, or contradict each other everywhere");
+  }
   return placido_error_set(err, PLACIDO_QUALITY,
                            "the surface would have %.1f D, a cornea has %d to %d D: the distance, "
                            "the instrument or the numbering is wrong",

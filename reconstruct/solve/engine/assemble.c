@@ -1,5 +1,5 @@
 /* A change δc of the coefficients changes a point's miss by (a B + b B_x + c B_y)·δc, three numbers
- * a point (mirror.h), over the 36 coefficients of its cell. The points of one cell share all
+ * a point (mirror.h), over the 36 or 16 coefficients of its cell. The points of one cell share all
  * coefficients, so their part of the normal matrix is one dense product of their rows. */
 #include "reconstruct/solve/engine/assemble.h"
 
@@ -10,6 +10,7 @@
 
 #define CELL PLACIDO_SPLINE_CELL
 #define ORDER PLACIDO_SPLINE_ORDER
+#define CUBIC 4 /* the other order */
 #define BATCH 64 /* rays that are worked on at a time */
 #define TOGETHER 4 /* rows that are multiplied at a time */
 
@@ -23,24 +24,24 @@ double placido_refinement_at_axis(const placido_refinement *r, placido_basis *ba
 /* What a change of the residual is for each coefficient, from those for height and slopes. The
  * pieces of the basis along x and y, and their derivatives, are found side by side. */
 PLACIDO_INSIDE void row_of(double row[CELL], double x, double y, double by_z, double by_p,
-                           double by_q) {
+                           double by_q, int order, const double powers[ORDER][ORDER]) {
   double t[2 * ORDER], value[2 * ORDER], slope[2 * ORDER];
-  for (int i = 0; i < 2 * ORDER; i++) {
-    t[i] = i < ORDER ? x : y;
-    value[i] = placido_spline_powers[ORDER - 1][i % ORDER];
+  for (int i = 0; i < 2 * order; i++) {
+    t[i] = i < order ? x : y;
+    value[i] = powers[order - 1][i % order];
     slope[i] = 0;
   }
-  for (int n = ORDER - 2; n >= 0; n--) {
-    for (int i = 0; i < 2 * ORDER; i++) {
+  for (int n = order - 2; n >= 0; n--) {
+    for (int i = 0; i < 2 * order; i++) {
       slope[i] = slope[i] * t[i] + value[i];
-      value[i] = value[i] * t[i] + placido_spline_powers[n][i % ORDER];
+      value[i] = value[i] * t[i] + powers[n][i % order];
     }
   }
-  for (int j = 0; j < ORDER; j++) {
-    double along = by_z * value[ORDER + j] + by_q * slope[ORDER + j];
-    double across = by_p * value[ORDER + j];
-    for (int i = 0; i < ORDER; i++) {
-      row[j * ORDER + i] = along * value[i] + across * slope[i];
+  for (int j = 0; j < order; j++) {
+    double along = by_z * value[order + j] + by_q * slope[order + j];
+    double across = by_p * value[order + j];
+    for (int i = 0; i < order; i++) {
+      row[j * order + i] = along * value[i] + across * slope[i];
     }
   }
 }
@@ -51,8 +52,13 @@ PLACIDO_INSIDE double weight_of(double residual) {
 
 double placido_sample_row(double row[CELL], const placido_sample *s, double sigma_px) {
   double slope = s->slope * sigma_px, steep = slope * s->basis.knot_mm;
-  row_of(row, s->basis.x, s->basis.y, s->miss.by_z / slope, s->miss.by_p / steep,
-         s->miss.by_q / steep);
+  const double by_z = s->miss.by_z / slope, by_p = s->miss.by_p / steep;
+  const double by_q = s->miss.by_q / steep;
+  if (s->basis.order == ORDER) {
+    row_of(row, s->basis.x, s->basis.y, by_z, by_p, by_q, ORDER, placido_spline_powers);
+  } else {
+    row_of(row, s->basis.x, s->basis.y, by_z, by_p, by_q, CUBIC, placido_spline_powers_cubic);
+  }
   return weight_of(s->residual_px / sigma_px);
 }
 
@@ -68,8 +74,8 @@ struct rows {
   double residual[BATCH];   /* in sigmas, times that root */
 };
 
-PLACIDO_WIDE static void find_rows(struct rows *rows, const placido_refinement *r,
-                                   const size_t *which, int count) {
+PLACIDO_INSIDE void rows_of(struct rows *rows, const placido_refinement *r, const size_t *which,
+                            int count, int order, const double powers[ORDER][ORDER]) {
   double *const *numbers = r->rays->numbers;
   double share = 1 / r->sigma_px, steep = share / r->shape.grid->knot_mm;
   for (int k = 0; k < count; k++) {
@@ -84,7 +90,7 @@ PLACIDO_WIDE static void find_rows(struct rows *rows, const placido_refinement *
     row_of(rows->row[k], numbers[PLACIDO_RAY_PLACE_X][i], numbers[PLACIDO_RAY_PLACE_Y][i],
            rows->root[k] * share * numbers[PLACIDO_RAY_BY_Z][i],
            rows->root[k] * steep * numbers[PLACIDO_RAY_BY_P][i],
-           rows->root[k] * steep * numbers[PLACIDO_RAY_BY_Q][i]);
+           rows->root[k] * steep * numbers[PLACIDO_RAY_BY_Q][i], order, powers);
   }
   for (; count % TOGETHER; count++) {
     memset(rows->row[count], 0, sizeof rows->row[count]);
@@ -93,12 +99,20 @@ PLACIDO_WIDE static void find_rows(struct rows *rows, const placido_refinement *
   rows->count = count;
 }
 
-/* Adds rowsᵀ rows to a block's lower triangle, and what else makes its lines whole vectors. */
-PLACIDO_WIDE static void add_products(double *restrict block, const struct rows *rows) {
+PLACIDO_WIDE static void find_rows(struct rows *rows, const placido_refinement *r,
+                                   const size_t *which, int count) {
+  if (r->shape.grid->order == ORDER) {
+    rows_of(rows, r, which, count, ORDER, placido_spline_powers);
+  } else {
+    rows_of(rows, r, which, count, CUBIC, placido_spline_powers_cubic);
+  }
+}
+
+PLACIDO_INSIDE void products_of(double *restrict block, const struct rows *rows, int cell) {
   for (int k = 0; k < rows->count; k += TOGETHER) {
     const double *a = rows->row[k], *b = rows->row[k + 1], *c = rows->row[k + 2];
     const double *d = rows->row[k + 3];
-    for (int i = 0; i < CELL; i++) {
+    for (int i = 0; i < cell; i++) {
       double ai = a[i], bi = b[i], ci = c[i], di = d[i], *line = block + i * CELL;
       int end = (i / 4 + 1) * 4;
       for (int j = 0; j < end; j += 4) {
@@ -110,15 +124,33 @@ PLACIDO_WIDE static void add_products(double *restrict block, const struct rows 
   }
 }
 
-/* right += Σ pull · row, for a batch's rows. */
-PLACIDO_WIDE static void add_pulls(double *restrict right, const struct rows *rows,
-                                   const double pulls[BATCH]) {
+/* Adds rowsᵀ rows to a block's lower triangle, and what else makes its lines whole vectors. */
+PLACIDO_WIDE static void add_products(double *restrict block, const struct rows *rows, int order) {
+  if (order == ORDER) {
+    products_of(block, rows, CELL);
+  } else {
+    products_of(block, rows, CUBIC * CUBIC);
+  }
+}
+
+PLACIDO_INSIDE void pulls_of(double *restrict right, const struct rows *rows,
+                             const double pulls[BATCH], int cell) {
   for (int k = 0; k < rows->count; k += TOGETHER) {
     const double *a = rows->row[k], *b = rows->row[k + 1], *c = rows->row[k + 2];
     const double *d = rows->row[k + 3], *p = pulls + k;
-    for (int i = 0; i < CELL; i++) {
+    for (int i = 0; i < cell; i++) {
       right[i] += (p[0] * a[i] + p[1] * b[i]) + (p[2] * c[i] + p[3] * d[i]);
     }
+  }
+}
+
+/* right += Σ pull · row, for a batch's rows. */
+PLACIDO_WIDE static void add_pulls(double *restrict right, const struct rows *rows,
+                                   const double pulls[BATCH], int order) {
+  if (order == ORDER) {
+    pulls_of(right, rows, pulls, CELL);
+  } else {
+    pulls_of(right, rows, pulls, CUBIC * CUBIC);
   }
 }
 
@@ -139,11 +171,11 @@ static void assemble_cell(double *rights, const placido_refinement *r, int colum
   for (size_t at = rays->starts[c]; at < end; at += BATCH) {
     int count = end - at < BATCH ? (int)(end - at) : BATCH;
     find_rows(&rows, r, rays->order + at, count);
-    add_products(block, &rows);
+    add_products(block, &rows, grid->order);
     for (int k = 0; k < rows.count; k++) {
       rows.residual[k] = -rows.residual[k];
     }
-    add_pulls(right, &rows, rows.residual);
+    add_pulls(right, &rows, rows.residual, grid->order);
   }
   placido_normal_add(r->normal, column, row, block, right);
 }
@@ -152,8 +184,9 @@ static void assemble_cell(double *rights, const placido_refinement *r, int colum
 static void assemble_axis(placido_refinement *r) {
   placido_basis basis;
   double off = placido_refinement_at_axis(r, &basis), block[CELL * CELL], right[CELL], values[CELL];
-  for (int i = 0; i < CELL; i++) {
-    values[i] = basis.y[0][i / ORDER] * basis.x[0][i % ORDER];
+  const int order = r->shape.grid->order;
+  for (int i = 0; i < order * order; i++) {
+    values[i] = basis.y[0][i / order] * basis.x[0][i % order];
     right[i] = -PLACIDO_DISTANCE_WEIGHT * values[i] * off;
     for (int j = 0; j <= i; j++) {
       block[i * CELL + j] = PLACIDO_DISTANCE_WEIGHT * values[i] * values[j];
@@ -162,17 +195,17 @@ static void assemble_axis(placido_refinement *r) {
   placido_normal_add(r->normal, basis.column, basis.row, block, right);
 }
 
-/* Calls a function for every cell with threads side by side: those that are ORDER rows apart share
+/* Calls a function for every cell with threads side by side: those that are `order` rows apart share
  * no coefficients, and every sum is made in the same order by any number of threads. */
 typedef void cell_visitor(double *rights, const placido_refinement *r, int column, int row,
                           const void *context);
 
 static void for_each_cell(double *rights, const placido_refinement *r, cell_visitor *visit,
                           const void *context) {
-  int cells = r->shape.grid->cells;
-  for (int first = 0; first < ORDER; first++) {
+  int cells = r->shape.grid->cells, order = r->shape.grid->order;
+  for (int first = 0; first < order; first++) {
 #pragma omp parallel for num_threads(r->threads) schedule(dynamic, 1)
-    for (int row = first; row < cells; row += ORDER) {
+    for (int row = first; row < cells; row += order) {
       for (int column = 0; column < cells; column++) {
         visit(rights, r, column, row, context);
       }
@@ -195,42 +228,45 @@ struct push {
   int columns;
 };
 
+/* Adds a cell's share to a vector over all coefficients, from the cell's corner on. */
+static void add_to_corner(double *corner, const placido_grid *grid, const double sum[CELL]) {
+  for (int j = 0; j < grid->order; j++) {
+    for (int i = 0; i < grid->order; i++) {
+      corner[j * grid->side + i] += sum[j * grid->order + i];
+    }
+  }
+}
+
 /* The edges of a batch: rays of one edge stand one behind the other. */
 static void push_edges(double *corner, size_t n, const placido_refinement *r,
                        const struct rows *rows, const size_t *which, int count,
                        const placido_mires *mires) {
   const placido_sightlines *rays = r->rays;
-  int side = r->shape.grid->side;
+  const int cell = r->shape.grid->order * r->shape.grid->order;
   for (int k = 0; k < count;) {
     double sum[CELL] = {0};
     const placido_sample *first = &r->samples[rays->sample[which[k]]];
     for (; k < count && r->samples[rays->sample[which[k]]].edge == first->edge; k++) {
       double pull = rows->root[k] / rays->numbers[PLACIDO_RAY_NOISE][which[k]];
-      for (int i = 0; i < CELL; i++) {
+      for (int i = 0; i < cell; i++) {
         sum[i] += pull * rows->row[k][i];
       }
     }
-    double *to = corner + (size_t)mires->points[first->point].edge * n;
-    for (int i = 0; i < CELL; i++) {
-      to[i / ORDER * side + i % ORDER] += sum[i];
-    }
+    add_to_corner(corner + (size_t)mires->points[first->point].edge * n, r->shape.grid, sum);
   }
 }
 
 static void push_columns(double *corner, size_t n, const placido_refinement *r,
                          const struct rows *rows, const size_t *which, int count,
                          const double *errors, int columns) {
-  int side = r->shape.grid->side;
   for (int m = 0; m < columns; m++) {
     double sum[CELL] = {0}, pulls[BATCH] = {0};
     for (int k = 0; k < count; k++) {
       size_t own = r->rays->sample[which[k]] * (size_t)columns + (size_t)m;
       pulls[k] = rows->root[k] * errors[own];
     }
-    add_pulls(sum, rows, pulls);
-    for (int i = 0; i < CELL; i++) {
-      corner[(size_t)m * n + (size_t)(i / ORDER * side + i % ORDER)] += sum[i];
-    }
+    add_pulls(sum, rows, pulls, r->shape.grid->order);
+    add_to_corner(corner + (size_t)m * n, r->shape.grid, sum);
   }
 }
 

@@ -6,14 +6,16 @@
 
 #include "base/memory.h"
 #include "reconstruct/solve/engine/band.h"
+#include "reconstruct/vector.h"
 
 #include <math.h>
 #include <string.h>
 
-#define REACH PLACIDO_SPLINE_DEGREE
+#define REACH PLACIDO_SPLINE_DEGREE /* at most: room in a stencil */
 #define WIDE (2 * REACH + 1)
 #define STENCIL ((REACH + 1) * WIDE)
 #define ORDER PLACIDO_SPLINE_ORDER
+#define CUBIC 4 /* the other order */
 #define CELL PLACIDO_SPLINE_CELL
 
 struct placido_normal {
@@ -23,6 +25,11 @@ struct placido_normal {
   double *right;
   placido_band factor;
 };
+
+/* How far apart two coefficients may meet. */
+static int degree_of(const placido_grid *grid) {
+  return grid->order - 1;
+}
 
 /* Where the entry of a column's coefficient and the one (dj, di) from it stands. Of its own row
  * (dj = 0) only what lies ahead counts. */
@@ -81,7 +88,7 @@ int placido_normal_new(placido_normal **normal, const placido_grid *grid, placid
   n->matrix = placido_memory_new(count, STENCIL * sizeof *n->matrix, err);
   n->penalty = placido_memory_new(count, STENCIL * sizeof *n->penalty, err);
   n->right = placido_memory_new(count, sizeof *n->right, err);
-  int status = placido_band_new(&n->factor, n->count, REACH * grid->side + REACH + 1, err);
+  int status = placido_band_new(&n->factor, n->count, degree_of(grid) * (grid->side + 1) + 1, err);
   if (status || !n->matrix || !n->penalty || !n->right) {
     placido_normal_free(n);
     *normal = NULL;
@@ -108,18 +115,28 @@ void placido_normal_clear(placido_normal *normal) {
   memset(normal->right, 0, count * sizeof *normal->right);
 }
 
-void placido_normal_add(placido_normal *normal, int column, int row, const double *block,
-                        const double *right) {
-  for (int c = 0; c < CELL; c++) {
-    int cj = c / ORDER, ci = c % ORDER, at = (row + cj) * normal->grid.side + column + ci;
+/* For an order that is known, loops are written out. */
+PLACIDO_INSIDE void add_block(placido_normal *normal, int column, int row, const double *block,
+                              const double *right, int order) {
+  for (int c = 0; c < order * order; c++) {
+    int cj = c / order, ci = c % order, at = (row + cj) * normal->grid.side + column + ci;
     normal->right[at] += right[c];
-    for (int rj = cj; rj < ORDER; rj++) {
+    for (int rj = cj; rj < order; rj++) {
       double *to = normal->matrix + slot_of(at, rj - cj, -ci);
-      const double *from = block + rj * ORDER * CELL + c;
-      for (int ri = rj == cj ? ci : 0; ri < ORDER; ri++) {
+      const double *from = block + rj * order * CELL + c;
+      for (int ri = rj == cj ? ci : 0; ri < order; ri++) {
         to[ri] += from[ri * CELL];
       }
     }
+  }
+}
+
+void placido_normal_add(placido_normal *normal, int column, int row, const double *block,
+                        const double *right) {
+  if (normal->grid.order == ORDER) {
+    add_block(normal, column, row, block, right, ORDER);
+  } else {
+    add_block(normal, column, row, block, right, CUBIC);
   }
 }
 
@@ -178,14 +195,14 @@ double placido_normal_roughness(const placido_normal *normal, const double *coef
 /* The stencil's rows within the grid, between the matrix or an inverse and a band: which part of a
  * column's row dj there is. */
 static void row_limits(const placido_grid *grid, int column, int dj, int *from, int *to) {
-  int i = column % grid->side;
-  *from = dj == 0 ? 0 : -(i < REACH ? i : REACH);
-  *to = grid->side - 1 - i < REACH ? grid->side - 1 - i : REACH;
+  int i = column % grid->side, reach = degree_of(grid);
+  *from = dj == 0 ? 0 : -(i < reach ? i : reach);
+  *to = grid->side - 1 - i < reach ? grid->side - 1 - i : reach;
 }
 
 static int rows_below(const placido_grid *grid, int column) {
-  int left = grid->side - 1 - column / grid->side;
-  return left < REACH ? left : REACH;
+  int left = grid->side - 1 - column / grid->side, reach = degree_of(grid);
+  return left < reach ? left : reach;
 }
 
 static void fill_band(placido_normal *n, double damping) {
@@ -282,19 +299,19 @@ int placido_normal_outer(const placido_normal *normal, const double *x, int coun
   return PLACIDO_OK;
 }
 
-double placido_normal_variance(const placido_normal *normal, const double *inverse, int column,
-                               int row, const double v[CELL]) {
+PLACIDO_INSIDE double variance_of(const placido_normal *normal, const double *inverse, int column,
+                                  int row, const double v[CELL], int order) {
   double diagonal = 0, beside = 0;
-  for (int c = 0; c < CELL; c++) {
-    int cj = c / ORDER, ci = c % ORDER, at = (row + cj) * normal->grid.side + column + ci;
+  for (int c = 0; c < order * order; c++) {
+    int cj = c / order, ci = c % order, at = (row + cj) * normal->grid.side + column + ci;
     double own = 0;
-    for (int ri = ci + 1; ri < ORDER; ri++) {
-      own += v[cj * ORDER + ri] * inverse[slot_of(at, 0, ri - ci)];
+    for (int ri = ci + 1; ri < order; ri++) {
+      own += v[cj * order + ri] * inverse[slot_of(at, 0, ri - ci)];
     }
-    for (int rj = cj + 1; rj < ORDER; rj++) {
-      const double *line = inverse + slot_of(at, rj - cj, -ci), *w = v + rj * ORDER;
-      own += (w[0] * line[0] + w[1] * line[1]) + (w[2] * line[2] + w[3] * line[3]) +
-             (w[4] * line[4] + w[5] * line[5]);
+    for (int rj = cj + 1; rj < order; rj++) {
+      const double *line = inverse + slot_of(at, rj - cj, -ci), *w = v + rj * order;
+      double four = (w[0] * line[0] + w[1] * line[1]) + (w[2] * line[2] + w[3] * line[3]);
+      own += order == ORDER ? four + (w[4] * line[4] + w[5] * line[5]) : four;
     }
     diagonal += v[c] * v[c] * inverse[slot_of(at, 0, 0)];
     beside += v[c] * own;
@@ -302,13 +319,29 @@ double placido_normal_variance(const placido_normal *normal, const double *inver
   return diagonal + 2 * beside;
 }
 
-void placido_normal_block(const placido_normal *normal, const double *inverse, int column, int row,
-                          double block[CELL * CELL]) {
-  for (int c = 0; c < CELL; c++) {
-    int cj = c / ORDER, ci = c % ORDER, at = (row + cj) * normal->grid.side + column + ci;
-    for (int r = c; r < CELL; r++) {
-      double entry = inverse[slot_of(at, r / ORDER - cj, r % ORDER - ci)];
+double placido_normal_variance(const placido_normal *normal, const double *inverse, int column,
+                               int row, const double v[CELL]) {
+  return normal->grid.order == ORDER ? variance_of(normal, inverse, column, row, v, ORDER)
+                                     : variance_of(normal, inverse, column, row, v, CUBIC);
+}
+
+PLACIDO_INSIDE void block_of(const placido_normal *normal, const double *inverse, int column,
+                             int row, double block[CELL * CELL], int order) {
+  for (int c = 0; c < order * order; c++) {
+    int cj = c / order, ci = c % order, at = (row + cj) * normal->grid.side + column + ci;
+    for (int r = c; r < order * order; r++) {
+      double entry = inverse[slot_of(at, r / order - cj, r % order - ci)];
       block[r * CELL + c] = block[c * CELL + r] = entry;
     }
+  }
+}
+
+void placido_normal_block(const placido_normal *normal, const double *inverse, int column, int row,
+                          double block[CELL * CELL]) {
+  if (normal->grid.order == ORDER) {
+    block_of(normal, inverse, column, row, block, ORDER);
+  } else {
+    memset(block, 0, CELL * CELL * sizeof *block);
+    block_of(normal, inverse, column, row, block, CUBIC);
   }
 }

@@ -17,9 +17,9 @@ void placido_normal_free(placido_normal *normal);
 /* Clears values and right-hand side. */
 void placido_normal_clear(placido_normal *normal);
 
-/* Adds a cell's dense share: `block` is the lower triangle of a symmetric CELL × CELL matrix
- * (row-major, full rows), `right` the right-hand side's share, over the coefficients (row + j,
- * column + i), i inner. */
+/* Adds a cell's dense share: `block` is the lower triangle of a symmetric matrix in rows of CELL,
+ * `right` the right-hand side's share, over the order² coefficients (row + j, column + i), i inner.
+ */
 void placido_normal_add(placido_normal *normal, int column, int row, const double *block,
                         const double *right);
 
@@ -64,7 +64,8 @@ int placido_normal_outer(const placido_normal *normal, const double *x, int coun
 double placido_normal_variance(const placido_normal *normal, const double *inverse, int column,
                                int row, const double v[PLACIDO_SPLINE_CELL]);
 
-/* The cell's part of an inverse (or outer product) as a full symmetric CELL × CELL matrix. */
+/* The cell's part of an inverse (or outer product) as a full symmetric CELL × CELL matrix; beyond
+ * the grid's order² it is 0. */
 void placido_normal_block(const placido_normal *normal, const double *inverse, int column, int row,
                           double block[PLACIDO_SPLINE_CELL * PLACIDO_SPLINE_CELL]);
 

@@ -28,6 +28,7 @@ static bool shape_at(const placido_shape *shape, double x, double y, placido_hit
     double s[6];
     placido_basis basis;
     spot->knot_mm = shape->grid->knot_mm;
+    spot->order = shape->grid->order;
     if (!placido_grid_locate(shape->grid, x, y, &spot->column, &spot->row, &spot->x,
                              &spot->y) ||
         !placido_grid_basis(shape->grid, x, y, &basis)) {

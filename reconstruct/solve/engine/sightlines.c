@@ -190,7 +190,8 @@ static void evaluate_all(placido_sightlines *sightlines, const placido_target *t
       if (!tells) {
         placido_batch_scatter(&batch, sightlines, which);
       } else {
-        const placido_spot spot = {.column = column, .row = row, .knot_mm = knot_mm};
+        const placido_spot spot = {
+            .column = column, .row = row, .order = grid ? grid->order : 0, .knot_mm = knot_mm};
         tell_batch(&batch, sightlines, which, spot);
       }
     }

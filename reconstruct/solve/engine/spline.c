@@ -1,14 +1,17 @@
-/* Uniform quintic B-splines by the Cox-de Boor recurrence (de Boor, A Practical Guide to Splines).
+/* Uniform quintic and cubic B-splines by the Cox-de Boor recurrence (de Boor, A Practical Guide to Splines).
  */
 #include "reconstruct/solve/engine/spline.h"
 
-#include <math.h>
+#include "reconstruct/vector.h"
 
-placido_grid placido_grid_covering(double radius_mm, double knot_mm) {
-  placido_grid grid = {.knot_mm = knot_mm};
+#include <math.h>
+#include <string.h>
+
+placido_grid placido_grid_covering(double radius_mm, double knot_mm, int degree) {
+  placido_grid grid = {.knot_mm = knot_mm, .order = degree + 1};
   grid.cells = 2 * (int)ceil(radius_mm / knot_mm);
   grid.half_mm = grid.cells * knot_mm / 2;
-  grid.side = grid.cells + PLACIDO_SPLINE_DEGREE;
+  grid.side = grid.cells + degree;
   return grid;
 }
 
@@ -30,9 +33,9 @@ static void differences(const double *lower, int count, double *out) {
   out[count - 1] = lower[count - 2];
 }
 
-static void along(double t, double knot_mm, double out[3][PLACIDO_SPLINE_ORDER]) {
+static void along(double t, double knot_mm, int p, double out[3][PLACIDO_SPLINE_ORDER]) {
   double b[PLACIDO_SPLINE_ORDER] = {1}, once[PLACIDO_SPLINE_ORDER];
-  const int p = PLACIDO_SPLINE_DEGREE;
+  memset(out, 0, 3 * sizeof *out);
   for (int degree = 1; degree <= p - 2; degree++) {
     raise_degree(b, degree, t);
   }
@@ -69,10 +72,12 @@ bool placido_grid_basis(const placido_grid *grid, double x_mm, double y_mm,
   if (!placido_grid_locate(grid, x_mm, y_mm, &basis->column, &basis->row, &tx, &ty)) {
     return false;
   }
-  along(tx, grid->knot_mm, basis->x);
-  along(ty, grid->knot_mm, basis->y);
+  along(tx, grid->knot_mm, grid->order - 1, basis->x);
+  along(ty, grid->knot_mm, grid->order - 1, basis->y);
   return true;
 }
+
+enum { ORDER = PLACIDO_SPLINE_ORDER, CUBIC = 4 };
 
 #define PARTS(a, b, c, d, e, f) {a / 120.0, b / 120.0, c / 120.0, d / 120.0, e / 120.0, f / 120.0}
 
@@ -82,23 +87,38 @@ const double placido_spline_powers[PLACIDO_SPLINE_ORDER][PLACIDO_SPLINE_ORDER] =
     PARTS(5, -20, 30, -20, 5, 0),   PARTS(-1, 5, -10, 10, -5, 1),
 };
 
-void placido_grid_polynomial(const placido_grid *grid, const double *coefficients, int column,
-                             int row, double polynomial[PLACIDO_SPLINE_CELL]) {
-  enum { ORDER = PLACIDO_SPLINE_ORDER };
+const double placido_spline_powers_cubic[PLACIDO_SPLINE_ORDER][PLACIDO_SPLINE_ORDER] = {
+    PARTS(20, 80, 20, 0, 0, 0),
+    PARTS(-60, 0, 60, 0, 0, 0),
+    PARTS(60, -120, 60, 0, 0, 0),
+    PARTS(-20, 60, -60, 20, 0, 0),
+};
+
+PLACIDO_INSIDE void polynomial_of(double polynomial[PLACIDO_SPLINE_CELL], const double *c, int side,
+                                  int order, const double powers[ORDER][ORDER]) {
   double lines[ORDER][ORDER] = {{0}};
-  const double *c = coefficients + (long)row * grid->side + column;
-  for (int j = 0; j < ORDER; j++, c += grid->side) {
-    for (int i = 0; i < ORDER; i++) {
-      for (int n = 0; n < ORDER; n++) {
-        lines[j][n] += c[i] * placido_spline_powers[n][i];
+  for (int j = 0; j < order; j++, c += side) {
+    for (int i = 0; i < order; i++) {
+      for (int n = 0; n < order; n++) {
+        lines[j][n] += c[i] * powers[n][i];
       }
     }
   }
   for (int k = 0; k < ORDER * ORDER; k++) {
     polynomial[k] = 0;
-    for (int j = 0; j < ORDER; j++) {
-      polynomial[k] += placido_spline_powers[k / ORDER][j] * lines[j][k % ORDER];
+    for (int j = 0; j < order; j++) {
+      polynomial[k] += powers[k / ORDER][j] * lines[j][k % ORDER];
     }
+  }
+}
+
+void placido_grid_polynomial(const placido_grid *grid, const double *coefficients, int column,
+                             int row, double polynomial[PLACIDO_SPLINE_CELL]) {
+  const double *c = coefficients + (long)row * grid->side + column;
+  if (grid->order == ORDER) {
+    polynomial_of(polynomial, c, grid->side, ORDER, placido_spline_powers);
+  } else {
+    polynomial_of(polynomial, c, grid->side, CUBIC, placido_spline_powers_cubic);
   }
 }
 
@@ -108,9 +128,9 @@ void placido_grid_value(const placido_grid *grid, const double *coefficients,
     out[i] = 0;
   }
   const double *c = coefficients + (long)basis->row * grid->side + basis->column;
-  for (int j = 0; j < PLACIDO_SPLINE_ORDER; j++, c += grid->side) {
+  for (int j = 0; j < grid->order; j++, c += grid->side) {
     double v = 0, d = 0, dd = 0;
-    for (int i = 0; i < PLACIDO_SPLINE_ORDER; i++) {
+    for (int i = 0; i < grid->order; i++) {
       v += basis->x[0][i] * c[i];
       d += basis->x[1][i] * c[i];
       dd += basis->x[2][i] * c[i];

@@ -10,7 +10,6 @@
 #include <math.h>
 
 #define CELL PLACIDO_SPLINE_CELL
-#define ORDER PLACIDO_SPLINE_ORDER
 
 bool placido_jet_rows_at(placido_jet_rows *rows, const placido_fit *fit, double x_mm, double y_mm) {
   static const int by_x[PLACIDO_JET_TERMS] = {0, 1, 0, 2, 1, 0};
@@ -19,11 +18,14 @@ bool placido_jet_rows_at(placido_jet_rows *rows, const placido_fit *fit, double 
   if (!placido_grid_basis(&fit->grid, x_mm, y_mm, &basis)) {
     return false;
   }
-  rows->column = basis.column;
-  rows->row = basis.row;
+  *rows = (placido_jet_rows){
+      .column = basis.column, .row = basis.row, .order = fit->grid.order};
   for (int t = 0; t < PLACIDO_JET_TERMS; t++) {
-    for (int k = 0; k < CELL; k++) {
-      rows->terms[t][k] = basis.y[by_y[t]][k / ORDER] * basis.x[by_x[t]][k % ORDER];
+    double *term = rows->terms[t];
+    for (int j = 0; j < rows->order; j++) {
+      for (int i = 0; i < rows->order; i++) {
+        *term++ = basis.y[by_y[t]][j] * basis.x[by_x[t]][i];
+      }
     }
   }
   return true;
@@ -31,7 +33,8 @@ bool placido_jet_rows_at(placido_jet_rows *rows, const placido_fit *fit, double 
 
 /* Index of the cell's coefficient k among all. */
 static size_t index_of(const placido_jet_rows *rows, int side, int k) {
-  return (size_t)(rows->row + k / ORDER) * (size_t)side + (size_t)(rows->column + k % ORDER);
+  return (size_t)(rows->row + k / rows->order) * (size_t)side +
+         (size_t)(rows->column + k % rows->order);
 }
 
 /* What a step of the distance by one sigma moves of a coefficient beyond the lift as a whole, which
@@ -41,13 +44,13 @@ static double by_distance(const placido_fit *fit, size_t index) {
 }
 
 static void find_cell(double covariance[CELL * CELL], const placido_fit *fit, int column, int row) {
-  const placido_jet_rows at = {.column = column, .row = row};
-  double geometry[CELL * CELL], distance[CELL];
+  const placido_jet_rows at = {.column = column, .row = row, .order = fit->grid.order};
+  double geometry[CELL * CELL], distance[CELL] = {0};
   placido_fit_noise_block(covariance, fit, column, row);
   if (fit->geometry) {
     placido_normal_block(fit->normal, fit->geometry, column, row, geometry);
   }
-  for (int k = 0; k < CELL; k++) {
+  for (int k = 0; k < at.order * at.order; k++) {
     distance[k] = by_distance(fit, index_of(&at, fit->grid.side, k));
   }
   for (int k = 0; k < CELL * CELL; k++) {
@@ -113,7 +116,7 @@ size_t placido_jet_coefficients(const placido_fit *fit) {
 
 void placido_jet_weights_add(double *weights, const placido_fit *fit, const placido_jet_rows *rows,
                              int term, double amount) {
-  for (int k = 0; k < CELL; k++) {
+  for (int k = 0; k < rows->order * rows->order; k++) {
     weights[index_of(rows, fit->grid.side, k)] += amount * rows->terms[term][k];
   }
 }
@@ -202,7 +205,7 @@ void placido_jet_figures_with(double *with, const placido_jet_figures *figures, 
   for (int f = 0; f < count; f++) {
     with[f] = 0;
   }
-  for (int k = 0; k < CELL; k++) {
+  for (int k = 0; k < rows->order * rows->order; k++) {
     const double *of = figures->with_coefficients +
                        index_of(rows, figures->side, k) * (size_t)figures->count + first;
     for (int f = 0; f < count; f++) {

@@ -21,9 +21,9 @@ typedef struct placido_jet_cells {
 int placido_jet_cells_new(placido_jet_cells *cells, const placido_fit *fit, placido_error *err);
 void placido_jet_cells_free(placido_jet_cells *cells);
 
-/* The rows of the jet's terms over the coefficients of the point's cell. */
+/* The rows of the jet's terms over the order² coefficients of the point's cell; 0 beyond. */
 typedef struct placido_jet_rows {
-  int column, row;
+  int column, row, order;
   double terms[PLACIDO_JET_TERMS][PLACIDO_SPLINE_CELL];
 } placido_jet_rows;
 

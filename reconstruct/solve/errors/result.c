@@ -11,10 +11,17 @@
 #define LEVEL_MM 3.0 /* the zone whose mean height is 0 */
 #define LEVEL_STEP_MM 0.25
 
-/* Index of the cell's coefficient k among all. */
-static size_t coefficient(const placido_fit *fit, int column, int row, int k) {
-  return (size_t)(row + k / PLACIDO_SPLINE_ORDER) * (size_t)fit->grid.side +
-         (size_t)(column + k % PLACIDO_SPLINE_ORDER);
+/* Index of a cell's coefficients among all; returns how many they are. */
+static int coefficients_of(size_t index[PLACIDO_SPLINE_CELL], const placido_fit *fit, int column,
+                           int row) {
+  int count = 0;
+  for (int j = 0; j < fit->grid.order; j++) {
+    for (int i = 0; i < fit->grid.order; i++) {
+      index[count++] =
+          (size_t)(row + j) * (size_t)fit->grid.side + (size_t)(column + i);
+    }
+  }
+  return count;
 }
 
 /* Where nothing better is known the noise is alike everywhere. */
@@ -55,9 +62,10 @@ static int mean_height(double *level, const placido_fit *fit, double radius_mm) 
         continue;
       }
       points++;
-      for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
-        level[coefficient(fit, b.column, b.row, k)] +=
-            b.y[0][k / PLACIDO_SPLINE_ORDER] * b.x[0][k % PLACIDO_SPLINE_ORDER];
+      size_t index[PLACIDO_SPLINE_CELL];
+      int count = coefficients_of(index, fit, b.column, b.row);
+      for (int k = 0; k < count; k++) {
+        level[index[k]] += b.y[0][k / fit->grid.order] * b.x[0][k % fit->grid.order];
       }
     }
   }
@@ -128,6 +136,8 @@ placido_fit_summary placido_fit_summary_get(const placido_fit *fit) {
  * meridian over the cell's coefficients. */
 struct place {
   placido_basis basis;
+  int count; /* of the cell's coefficients, and which these are */
+  size_t index[PLACIDO_SPLINE_CELL];
   double height[PLACIDO_SPLINE_CELL], tilt[PLACIDO_SPLINE_CELL];
   double power; /* dioptres of axial curvature per unit of slope */
 };
@@ -149,11 +159,15 @@ static bool place_at(struct place *place, const placido_fit *fit, double x_mm, d
   slope = jet.sx * along[0] + jet.sy * along[1];
   place->power = 337.5 / (radius * pow(1 + slope * slope, 1.5));
   const placido_basis *b = &place->basis;
-  for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
-    int j = k / PLACIDO_SPLINE_ORDER, i = k % PLACIDO_SPLINE_ORDER;
-    place->height[k] = b->y[0][j] * b->x[0][i];
-    place->tilt[k] = along[0] * b->y[0][j] * b->x[1][i] + along[1] * b->y[1][j] * b->x[0][i];
+  const int order = fit->grid.order;
+  for (int j = 0; j < order; j++) {
+    for (int i = 0; i < order; i++) {
+      int k = j * order + i;
+      place->height[k] = b->y[0][j] * b->x[0][i];
+      place->tilt[k] = along[0] * b->y[0][j] * b->x[1][i] + along[1] * b->y[1][j] * b->x[0][i];
+    }
   }
+  place->count = coefficients_of(place->index, fit, b->column, b->row);
   return true;
 }
 
@@ -163,11 +177,11 @@ struct variance {
 };
 
 /* A row of the place times a vector over all coefficients. */
-static double along(const placido_fit *fit, const struct place *place,
-                    const double row[PLACIDO_SPLINE_CELL], const double *vector) {
+static double along(const struct place *place, const double row[PLACIDO_SPLINE_CELL],
+                    const double *vector) {
   double sum = 0;
-  for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
-    sum += row[k] * vector[coefficient(fit, place->basis.column, place->basis.row, k)];
+  for (int k = 0; k < place->count; k++) {
+    sum += row[k] * vector[place->index[k]];
   }
   return sum;
 }
@@ -178,12 +192,12 @@ static double noise_of(const placido_fit *fit, const struct place *place,
   int column = place->basis.column, line = place->basis.row;
   size_t n = (size_t)fit->grid.side * (size_t)fit->grid.side;
   double spread[PLACIDO_SPLINE_CELL];
-  for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
-    spread[k] = row[k] * fit->scatter.spread[coefficient(fit, column, line, k)];
+  for (int k = 0; k < place->count; k++) {
+    spread[k] = row[k] * fit->scatter.spread[place->index[k]];
   }
   double sum = placido_normal_variance(fit->normal, fit->inverse, column, line, spread);
   for (int m = 0; m < fit->scatter.steps; m++) {
-    double moved = along(fit, place, row, fit->scatter.step + (size_t)m * n);
+    double moved = along(place, row, fit->scatter.step + (size_t)m * n);
     sum += moved * moved;
   }
   return sum;
@@ -191,15 +205,15 @@ static double noise_of(const placido_fit *fit, const struct place *place,
 
 /* What lifts the surface as a whole is no error of the shape: heights count from the level. */
 static struct variance from_noise(const placido_fit *fit, const struct place *place) {
-  double with = fit->level ? along(fit, place, place->height, fit->with_level) : 0;
+  double with = fit->level ? along(place, place->height, fit->with_level) : 0;
   return (struct variance){noise_of(fit, place, place->height) - 2 * with + fit->level_variance,
                            noise_of(fit, place, place->tilt)};
 }
 
-static struct variance from_step(const placido_fit *fit, const struct place *place,
-                                 const double *step, double lift, double factor) {
-  double height = factor * (along(fit, place, place->height, step) - lift);
-  double tilt = factor * along(fit, place, place->tilt, step);
+static struct variance from_step(const struct place *place, const double *step, double lift,
+                                 double factor) {
+  double height = factor * (along(place, place->height, step) - lift);
+  double tilt = factor * along(place, place->tilt, step);
   return (struct variance){height * height, tilt * tilt};
 }
 
@@ -209,10 +223,10 @@ static void variances(struct variance out[PLACIDO_SIGMA_SOURCES], const placido_
   size_t n = (size_t)fit->grid.side * (size_t)fit->grid.side;
   out[PLACIDO_SIGMA_NOISE] = from_noise(fit, place);
   out[PLACIDO_SIGMA_DISTANCE] =
-      from_step(fit, place, fit->by_distance, fit->lift ? fit->lift[0] : 1, fit->axis_z_sigma_mm);
+      from_step(place, fit->by_distance, fit->lift ? fit->lift[0] : 1, fit->axis_z_sigma_mm);
   struct variance geometry = {0};
   for (int m = 0; m < fit->mode_count; m++) {
-    struct variance mode = from_step(fit, place, fit->modes + (size_t)m * n,
+    struct variance mode = from_step(place, fit->modes + (size_t)m * n,
                                      fit->lift ? fit->lift[1 + m] : 0, 1);
     geometry.height += mode.height;
     geometry.tilt += mode.tilt;
@@ -308,12 +322,10 @@ void placido_fit_noise_block(double block[PLACIDO_SPLINE_CELL * PLACIDO_SPLINE_C
                              const placido_fit *fit, int column, int row) {
   const placido_scatter *scatter = &fit->scatter;
   size_t n = (size_t)fit->grid.side * (size_t)fit->grid.side, at[PLACIDO_SPLINE_CELL];
+  const int count = coefficients_of(at, fit, column, row);
   placido_normal_block(fit->normal, fit->inverse, column, row, block);
-  for (int k = 0; k < PLACIDO_SPLINE_CELL; k++) {
-    at[k] = coefficient(fit, column, row, k);
-  }
-  for (int r = 0; r < PLACIDO_SPLINE_CELL; r++) {
-    for (int c = 0; c < PLACIDO_SPLINE_CELL; c++) {
+  for (int r = 0; r < count; r++) {
+    for (int c = 0; c < count; c++) {
       double *entry = &block[r * PLACIDO_SPLINE_CELL + c];
       *entry *= scatter->spread[at[r]] * scatter->spread[at[c]];
       for (int m = 0; m < scatter->steps; m++) {

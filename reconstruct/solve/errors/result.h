@@ -48,7 +48,8 @@ typedef struct placido_open {
  * and the worst place. */
 double placido_fit_open_share(const placido_fit *fit, double limit_D, placido_open *worst);
 
-/* The noise's covariance of a cell's coefficients, a full CELL × CELL matrix. */
+/* The noise's covariance of a cell's coefficients, a full CELL × CELL matrix; beyond the grid's
+ * order² it is 0. */
 void placido_fit_noise_block(double block[PLACIDO_SPLINE_CELL * PLACIDO_SPLINE_CELL],
                              const placido_fit *fit, int column, int row);
 

@@ -158,16 +158,17 @@ static void window_of(double window[PLACES], const map *m, double at_mm) {
 static void spread_out(double *spread, const map *m, const placido_grid *grid, double across) {
   double usual = m->expected_all > 0 ? m->shown_all / m->expected_all : 1;
   double prior = m->arcs ? PRIOR_ARCS * m->expected_all / (double)m->arcs : 1;
+  double middle = grid->order / 2.0 - 1; /* of a coefficient's piece, in knots */
   for (int j = 0; j < grid->side; j++) {
     double window[PLACES], shown_line[PLACES] = {0}, expected_line[PLACES] = {0};
-    window_of(window, m, (j - 2) * grid->knot_mm - grid->half_mm);
+    window_of(window, m, (j - middle) * grid->knot_mm - grid->half_mm);
     for (int k = 0; k < PLACES * PLACES; k++) {
       shown_line[k % PLACES] += window[k / PLACES] * m->shown[k];
       expected_line[k % PLACES] += window[k / PLACES] * m->expected[k];
     }
     for (int i = 0; i < grid->side; i++) {
       double shown = prior * usual, expected = prior;
-      window_of(window, m, (i - 2) * grid->knot_mm - grid->half_mm);
+      window_of(window, m, (i - middle) * grid->knot_mm - grid->half_mm);
       for (int k = 0; k < PLACES; k++) {
         shown += window[k] * shown_line[k];
         expected += window[k] * expected_line[k];

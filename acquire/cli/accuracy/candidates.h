@@ -1,0 +1,41 @@
+/* What there is to choose from: the settings of one stage, with what each leaves in every eye. */
+#ifndef PLACIDO_CLI_ACCURACY_CANDIDATES_H
+#define PLACIDO_CLI_ACCURACY_CANDIDATES_H
+
+#include "acquire/cli/accuracy/table.h"
+
+#include <stdbool.h>
+
+#define ACCURACY_EYES_MAX 64
+
+struct candidate {
+  char setting[96];
+  double ms; /* largest of the eyes */
+  bool measured[ACCURACY_EYES_MAX];
+  double error[ACCURACY_EYES_MAX][ACCURACY_ERRORS]; /* 0 where it leaves none */
+};
+
+struct candidates {
+  struct candidate *items;
+  size_t count;
+};
+
+/* The names of the table's eyes, borrowed. */
+struct table_eyes {
+  const char *names[ACCURACY_EYES_MAX];
+  size_t count;
+};
+
+/* PLACIDO_QUALITY where there are more than ACCURACY_EYES_MAX. */
+int table_eyes_list(struct table_eyes *eyes, const struct accuracy_table *table, placido_error *err);
+
+/* The settings of a stage, every knob named, that agree with `fixed`, without those with which an
+ * eye could not be examined that could with others, and those that another one beats at everything.
+ * An eye that the whole stage was not measured in takes the largest error of the others. Free with candidates_free. Returns PLACIDO_OK, PLACIDO_QUALITY (none is left, and why),
+ * PLACIDO_MEMORY. */
+int candidates_new(struct candidates *candidates, const struct accuracy_table *table,
+                   const struct table_eyes *eyes, enum accuracy_stage stage, const char *fixed,
+                   placido_error *err);
+void candidates_free(struct candidates *candidates);
+
+#endif
