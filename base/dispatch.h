@@ -4,6 +4,14 @@
 #ifndef PLACIDO_BASE_DISPATCH_H
 #define PLACIDO_BASE_DISPATCH_H
 
+/* Arithmetic as it must be everywhere: every number rounded to its own type (no x87), NaN a number of
+ * its own. tests/architecture looks at the options of every file. */
+#include <float.h>
+_Static_assert(FLT_EVAL_METHOD == 0, "floating point must be evaluated in its own type: -mfpmath=sse");
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "NaN means missing here: -ffast-math and -ffinite-math-only are out"
+#endif
+
 /* Other compilers, and the sanitizers, which come up after the choice is made, do without. */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

@@ -119,6 +119,7 @@ static int write_sections(FILE *stream, const placido_report *report, placido_er
   placido_page_warnings(stream, report);
   placido_page_indices(stream, report, true);
   int status = placido_page_maps(stream, report, true, err);
+  placido_page_accuracy(stream, report);
   placido_page_budget(stream, report);
   placido_page_indices(stream, report, false);
   if (status == PLACIDO_OK) {

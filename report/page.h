@@ -18,6 +18,7 @@ void placido_page_end(FILE *stream);
 
 void placido_page_head(FILE *stream, const placido_report *report);
 void placido_page_warnings(FILE *stream, const placido_report *report);
+void placido_page_accuracy(FILE *stream, const placido_report *report);
 void placido_page_budget(FILE *stream, const placido_report *report);
 /* The key groups of indices, or the others. */
 void placido_page_indices(FILE *stream, const placido_report *report, bool key);

@@ -218,5 +218,11 @@ void placido_page_budget(FILE *stream, const placido_report *report) {
     axial = hypot(axial, isfinite(share->axial_D) ? share->axial_D : 0);
   }
   write_share(stream, "All that is known", z, axial, "Root of the sum of squares.");
-  fputs("</tbody>\n</table>\n</section>\n", stream);
+  fputs("</tbody>\n</table>\n", stream);
+  if (report->condition) {
+    fputs("<p class=\"small\">", stream);
+    placido_html_text(stream, report->condition);
+    fputs("</p>\n", stream);
+  }
+  fputs("</section>\n", stream);
 }

@@ -124,6 +124,17 @@ typedef struct placido_report_map {
   enum placido_report_place place;
 } placido_report_map;
 
+/* What of an error or of the time was asked for, promised and found; NaN: nothing. */
+typedef struct placido_report_limit {
+  double asked, promised, found;
+} placido_report_limit;
+
+typedef struct placido_report_accuracy {
+  placido_report_limit elevation_um, psf, time_ms;
+  const char *settings; /* that were chosen, a sentence */
+  const char *table;    /* by which, likewise */
+} placido_report_accuracy;
+
 /* Everything that the page shows. Pointers are borrowed; NULL or 0 leaves a section out (a
  * simulation without a capture has no mires). */
 typedef struct placido_report {
@@ -134,8 +145,10 @@ typedef struct placido_report {
   const placido_mires *mires;
   const placido_fit_summary *fit;
   const char *capture_picture, *mires_picture;
+  const placido_report_accuracy *accuracy; /* NULL: nothing was asked for */
   const placido_sigma *budget; /* PLACIDO_SIGMA_SOURCES of them */
   double budget_zone_mm;
+  const char *condition; /* how results answer to errors of what goes in, in words; may be NULL */
   const placido_report_map *maps;
   size_t map_count;
   const placido_index_value *indices;

@@ -10,8 +10,9 @@
 #include <math.h>
 #include <string.h>
 
-/* What a pixel may be seen under: from far below what any eye resolves to ten degrees. */
-static const double least_arcmin = 1e-6, most_arcmin = 600;
+/* What a pixel may be seen under: from far below what any eye resolves to the widest picture's only
+ * one. */
+static const double least_arcmin = 1e-6, most_arcmin = 170 * 60;
 
 /* A pixel's size relative to its distance. */
 typedef int read_tangent(double *tangent, const placido_json *json, int width_px,
@@ -32,7 +33,7 @@ static int read_angle(double *tangent, const placido_json *json, int width_px,
                       placido_error *err) {
   double arcmin;
   (void)width_px;
-  int status = positive(json, "calibration.value", most_arcmin, &arcmin, err);
+  int status = positive(json, "calibration.value", 600, &arcmin, err);
   *tangent = 2 * tan(arcmin * PLACIDO_ARCMIN_RAD / 2);
   return status;
 }

@@ -109,7 +109,8 @@ static const struct option_row rows[] = {
     {"for", 0, "SECONDS", "record: how long in each codec (default 10).", FIELD(for_s),
      parse_number, 0.1, 3600},
     {"output", 'o', "DIR", "record: the directory in which it writes, and removes what it wrote: "
-     "the disk to be measured (default: $TMPDIR, else /tmp).", FIELD(output), parse_text, 0, 0},
+     "the disk to be measured (default: $TMPDIR, else /tmp). effects, accuracy: an existing "
+     "directory for their tables.", FIELD(output), parse_text, 0, 0},
 };
 
 static const struct option_group options_bench = {"Benchmarks", rows,
@@ -121,10 +122,12 @@ const struct command command_bench = {
     .summary = "Measure how fast this machine records, guides, measures and simulates.",
     .usage = "[NAME...] [OPTION...]",
     .examples = "  placido bench\n"
-                "      all benchmarks, about a minute\n"
+                "      all benchmarks but accuracy, about a minute\n"
                 "  placido bench record --for 60 -o /data\n"
                 "      a minute at 60 frames/s in each codec, on the disk of /data\n"
-                "  placido bench live reconstruct --json\n",
+                "  placido bench live reconstruct --json\n"
+                "  placido bench accuracy\n"
+                "      minutes: what accuracy costs here, for exam --max-error to choose by\n",
     .groups = groups,
     .list = list_benches,
     .may_have_word = true,

@@ -3,7 +3,8 @@
 
 static examination_step *const steps[] = {
     step_promise, step_scenes,    step_capture, step_begin,  step_mires,   step_fit,
-    step_maps,    step_wavefront, step_see,     step_acuity, step_outcome, step_save, NULL};
+    step_maps,    step_wavefront, step_see,     step_acuity, step_condition, step_outcome,
+    step_save,    NULL};
 
 static const struct recipe recipe = {
     .format = "placido-exam/1", .marker = "exam.json", .steps = steps};

@@ -6,6 +6,7 @@
 #include "acquire/acquire.h"
 #include "acquire/cli/combination.h"
 #include "acquire/cli/command.h"
+#include "acquire/cli/condition.h"
 #include "acquire/cli/promise.h"
 #include "acquire/cli/views.h"
 #include "acquire/cli/wavefront.h"
@@ -59,6 +60,9 @@ struct examination {
 
   /* step_scenes, step_see */
   struct views views;
+
+  /* step_condition */
+  struct conditions conditions;
 };
 
 typedef int examination_step(struct examination *examination, placido_error *err);
@@ -84,6 +88,7 @@ examination_step step_wavefront;
 examination_step step_scenes; /* reads what is looked at, before any work */
 examination_step step_see;    /* point spread functions, plans and scenes of every pupil */
 examination_step step_acuity; /* of every pupil that step_see has seen through */
+examination_step step_condition; /* how all that is found answers to errors of what goes in */
 examination_step step_save;   /* every file of the directory */
 
 /* Refuses an output that cannot be written, runs the recipe's steps and puts the directory in its

@@ -6,6 +6,7 @@
 #include "report/iso.h"
 #include "report/report.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -137,6 +138,9 @@ struct page {
   double wavefront_sigmas[LIST_MAX][WAVEFRONT_FIGURES_MAX];
   placido_report_wavefront wavefronts[LIST_MAX];
   placido_sigma budget[PLACIDO_SIGMA_SOURCES];
+  char condition[512];
+  char chosen[512], by[512];
+  placido_report_accuracy accuracy;
   char psf_files[VIEWS_MAX][JOB_NAME_SIZE], scene_files[VIEWS_MAX][LIST_MAX][JOB_NAME_SIZE];
   const char *scene_names[VIEWS_MAX][LIST_MAX], *scene_pictures[VIEWS_MAX][LIST_MAX];
   placido_report_plan plans[VIEWS_MAX][LIST_MAX];
@@ -288,6 +292,25 @@ static void describe_capture(placido_report *report, struct page *page,
   placido_fit_budget(examination->fit, BUDGET_ZONE_MM, page->budget);
   report->budget = page->budget;
   report->budget_zone_mm = BUDGET_ZONE_MM;
+  conditions_tell(page->condition, sizeof page->condition, &examination->conditions);
+  report->condition = page->condition[0] ? page->condition : NULL;
+}
+
+static double asked(double limit) { return limit > 0 ? limit : (double)NAN; }
+
+static void describe_accuracy(placido_report *report, struct page *page,
+                              const struct examination *examination) {
+  const struct promise *promise = &examination->promise;
+  const struct accuracy_settings *limits = &promise->settings.accuracy;
+  promise_describe(page->chosen, page->by, sizeof page->by, promise);
+  page->accuracy = (placido_report_accuracy){
+      .elevation_um = {asked(limits->max_error_um),
+                       promise_error(examination, ACCURACY_ELEVATION_UM), promise->sigma_um},
+      .psf = {asked(limits->max_error_psf), promise_error(examination, ACCURACY_PSF_OTF), NAN},
+      .time_ms = {asked(limits->max_time_ms), promise_time_ms(promise), promise->found_ms},
+      .settings = page->chosen,
+      .table = page->by};
+  report->accuracy = &page->accuracy;
 }
 
 int figures_report(const struct examination *examination, placido_error *err) {
@@ -312,6 +335,9 @@ int figures_report(const struct examination *examination, placido_error *err) {
   list_stages(page, stages);
   if (examination->fit) {
     describe_capture(&report, page, examination);
+  }
+  if (examination->promise.made) {
+    describe_accuracy(&report, page, examination);
   }
   const int status = placido_report_write(&report, err);
   placido_memory_free(page);

@@ -55,7 +55,7 @@ static int step_rings(struct examination *examination, placido_error *err) {
 }
 
 static examination_step *const steps[] = {step_heights, step_heights_fit, step_maps, step_rings,
-                                          step_wavefront, step_save, NULL};
+                                          step_wavefront, step_condition, step_save, NULL};
 
 static const struct recipe recipe = {
     .format = "placido-import/1", .marker = "import.json", .steps = steps};

@@ -13,17 +13,20 @@
 
 #define ZONE_MM 6
 #define FIXED_SIZE 512
+#define PARTS_SIZE 80
 
 /* The least that planning and showing a scene takes, and the share of the time that scenes are left
  * at first: what is chosen for the other stages is to leave some room to see well. */
 #define SCENE_LEAST_PROBES 25
 #define SCENES_SHARE 0.5
 
-/* For each pupil's acuity the surface's variants are looked through as well: so many point spread
+/* For each pupil's acuity draws of the surface are looked through as well: so many point spread
  * functions of 100 rays a side, read at few sizes each (acuity.c). */
-#define VARIANTS 11
-#define VARIANT_SETTING "samples=100"
-#define VARIANT_READS 0.5
+#define DRAWS 17
+#define DRAW_SETTING "samples=100"
+#define DRAW_READS 0.85
+
+#define CONDITION_PROBES 4.5 /* what step_condition takes */
 
 /* What a command does of an examination. */
 struct work {
@@ -94,18 +97,20 @@ static int load_table(struct accuracy_table *table, struct promise *promise, pla
   return status;
 }
 
-static struct accuracy_wish wish_of(const struct accuracy_table *table,
-                                    const struct promise *promise, const struct work *work,
-                                    char parts[64], const char *fixed) {
+static struct accuracy_wish wish_of(const struct promise *promise, const struct work *work,
+                                    char parts[PARTS_SIZE], const char *fixed) {
   const struct accuracy_settings *asked = &promise->settings.accuracy;
   const double speed = promise->probe_ms / promise->table_probe_ms;
-  const double pupils = (double)work->pupils, variants = work->measures ? VARIANTS : 0;
+  const double pupils = (double)work->pupils, draws = work->measures ? DRAWS : 0;
   struct accuracy_wish wish = {.time_ms = asked->max_time_ms > 0 ? asked->max_time_ms : INFINITY,
                                .fixed = fixed,
                                .parts = parts,
                                .speed = speed};
-  snprintf(parts, 64, "maps=%d indices=%d wavefront=%d focus=%zu", work->measures, work->measures,
-           work->measures, work->pupils);
+  if (work->measures) {
+    snprintf(parts, PARTS_SIZE, "maps=1 indices=1 rings=1 wavefront=1 focus=%zu", work->pupils);
+  } else {
+    snprintf(parts, PARTS_SIZE, "focus=%zu", work->pupils);
+  }
   for (int k = 0; k < ACCURACY_ERRORS; k++) {
     wish.error[k] = INFINITY;
   }
@@ -115,31 +120,31 @@ static struct accuracy_wish wish_of(const struct accuracy_table *table,
       work->measures;
   wish.counts[ACCURACY_TRACE] = wish.counts[ACCURACY_PSF] = work->sees;
   wish.counts[ACCURACY_ACUITY] = work->tests > 0;
+  const bool timed = asked->max_time_ms > 0, spread = timed || asked->max_error_psf > 0;
+  wish.needed[ACCURACY_MIRES] = wish.needed[ACCURACY_FIT] = wish.needed[ACCURACY_FLOOR] = true;
+  wish.needed[ACCURACY_TRACE] = wish.needed[ACCURACY_PSF] = spread;
+  wish.needed[ACCURACY_ACUITY] = timed;
   wish.runs[ACCURACY_MIRES] = wish.runs[ACCURACY_FIT] = work->measures;
   wish.runs[ACCURACY_TRACE] = pupils;
-  wish.runs[ACCURACY_ACUITY] = pupils * (double)work->tests * (1 + VARIANT_READS * variants);
-  if (work->tests > 0) {
-    wish.extra_ms = pupils * variants *
-                    accuracy_setting_ms(table, ACCURACY_TRACE, VARIANT_SETTING, speed);
-  }
+  wish.runs[ACCURACY_ACUITY] = pupils * (double)work->tests * (1 + DRAW_READS * draws);
+  wish.extra_ms = promise->further_ms;
   return wish;
 }
 
 /* Leaves scenes their share where that is possible, else the least that they take. */
 static int choose(struct promise *promise, const struct accuracy_table *table,
                   struct accuracy_wish *wish, const struct work *work, placido_error *err) {
-  const double variants_ms = wish->extra_ms;
   const double least_ms = (double)work->sights * SCENE_LEAST_PROBES * promise->probe_ms;
   const double share_ms = SCENES_SHARE * wish->time_ms;
   if (!isfinite(wish->time_ms) || work->sights == 0) {
     return accuracy_choose(&promise->choice, table, wish, err);
   }
   double scenes_ms = fmax(least_ms, share_ms);
-  wish->extra_ms = variants_ms + scenes_ms;
+  wish->extra_ms = promise->further_ms + scenes_ms;
   int status = accuracy_choose(&promise->choice, table, wish, NULL);
   if (status == PLACIDO_QUALITY) {
     scenes_ms = least_ms;
-    wish->extra_ms = variants_ms + scenes_ms;
+    wish->extra_ms = promise->further_ms + scenes_ms;
     status = accuracy_choose(&promise->choice, table, wish, err);
   }
   promise->choice.time_ms -= scenes_ms;
@@ -149,11 +154,19 @@ static int choose(struct promise *promise, const struct accuracy_table *table,
 /* Settings by name hold whether or not the table knows what they are worth. */
 static int look_up(struct promise *promise, const struct accuracy_table *table,
                    const struct work *work, placido_notes *notes, placido_error *err) {
-  char fixed[FIXED_SIZE], parts[64];
+  char fixed[FIXED_SIZE], parts[PARTS_SIZE];
   placido_error reason = {0};
   const struct choosable choosable = promise_choosable(&promise->settings.accuracy);
+  if (work->measures) {
+    promise->further_ms = CONDITION_PROBES * promise->probe_ms;
+  }
+  if (work->measures && work->tests > 0) {
+    promise->further_ms += (double)work->pupils * DRAWS *
+                           accuracy_setting_ms(table, ACCURACY_TRACE, DRAW_SETTING,
+                                               promise->probe_ms / promise->table_probe_ms);
+  }
   promise_fix(fixed, sizeof fixed, &promise->settings, &choosable);
-  struct accuracy_wish wish = wish_of(table, promise, work, parts, fixed);
+  struct accuracy_wish wish = wish_of(promise, work, parts, fixed);
   int status = choose(promise, table, &wish, work, &reason);
   promise->kept_in_table = status == PLACIDO_OK;
   if (status == PLACIDO_QUALITY && promise->settings.accuracy.named != ACCURACY_UNNAMED) {
@@ -277,7 +290,7 @@ void promise_pupil_done(struct promise *promise) {
 static double share_ms(const struct promise *promise) {
   const double used_ms = 1e3 * bench_processor_s() - promise->began_ms;
   const double later_ms = promise->pupil_ms * (double)promise->pupils_left +
-                          promise->choice.stage_ms[ACCURACY_ACUITY];
+                          promise->choice.stage_ms[ACCURACY_ACUITY] + promise->further_ms;
   const double left_ms = promise->settings.accuracy.max_time_ms - used_ms - later_ms;
   return left_ms / (double)(promise->sights_left > 0 ? promise->sights_left : 1);
 }

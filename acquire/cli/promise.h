@@ -24,6 +24,7 @@ struct promise {
   /* while it runs */
   double began_ms, wall_began_ms; /* processor time and clock */
   double pupil_ms;                /* of each pupil still to come: focus and rays */
+  double further_ms; /* after the scenes: rays through draws of the surface, condition numbers */
   size_t pupils_left, sights_left;
   double scenes_ms;               /* promised for those that were planned so far */
   bool late;                      /* some scene takes longer than there is time */
@@ -50,6 +51,12 @@ void promise_pupil_done(struct promise *promise);
 
 /* For exam.json; NULL when memory is out. */
 json_t *promise_json(const struct examination *examination);
+
+/* The promised error; NaN where the table or the command does not tell. */
+double promise_error(const struct examination *examination, enum accuracy_error error);
+
+/* A sentence each: what was chosen, and by which table. */
+void promise_describe(char *settings, char *by, size_t size, const struct promise *promise);
 
 /* A few lines on stdout. */
 void promise_print(const struct examination *examination);

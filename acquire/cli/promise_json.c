@@ -10,6 +10,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A text that grows. */
+struct text {
+  char *at;
+  size_t room;
+  int count;
+};
+
 static json_t *real_or_null(double value) {
   return placido_json_real(value > 0 ? value : (double)NAN);
 }
@@ -22,7 +29,7 @@ static json_t *asked(const struct accuracy_settings *settings) {
                    name ? json_string(name) : json_null());
 }
 
-static double promised_error(const struct examination *examination, enum accuracy_error error) {
+double promise_error(const struct examination *examination, enum accuracy_error error) {
   const struct promise *promise = &examination->promise;
   const bool of_it = error == ACCURACY_PSF_OTF ? examination->views.scene_count > 0
                                                : examination->fit != NULL;
@@ -31,9 +38,9 @@ static double promised_error(const struct examination *examination, enum accurac
 
 static json_t *promised(const struct examination *examination) {
   return json_pack("{s:o, s:o, s:o}", "max_error_um",
-                   placido_json_real(promised_error(examination, ACCURACY_ELEVATION_UM)),
+                   placido_json_real(promise_error(examination, ACCURACY_ELEVATION_UM)),
                    "max_error_psf",
-                   placido_json_real(promised_error(examination, ACCURACY_PSF_OTF)), "time_ms",
+                   placido_json_real(promise_error(examination, ACCURACY_PSF_OTF)), "time_ms",
                    placido_json_real(promise_time_ms(&examination->promise)));
 }
 
@@ -75,11 +82,33 @@ json_t *promise_json(const struct examination *examination) {
                    table(promise), "found", found(examination));
 }
 
+static void add_knob(void *user, const char *name, const char *value) {
+  struct text *text = user;
+  const int length = snprintf(text->at, text->room, "%s%s %s", text->count++ > 0 ? ", " : "", name,
+                              value);
+  if (length > 0 && (size_t)length < text->room) {
+    text->at += length;
+    text->room -= (size_t)length;
+  }
+}
+
+void promise_describe(char *settings, char *by, size_t size, const struct promise *promise) {
+  const char *name = accuracy_name_text(promise->settings.accuracy.named);
+  const int length = snprintf(settings, size, "Settings%s%s: ", name ? ", by the name " : " chosen",
+                              name ? name : "");
+  struct text text = {.at = settings + length, .room = size - (size_t)length};
+  if (promise->kept_in_table) {
+    promise_each_knob(&promise->choice, add_knob, &text);
+  }
+  snprintf(by, size, "By %s accuracy table of %s (%s).",
+           promise->built_in ? "the program's own" : "your", promise->created, promise->machine);
+}
+
 void promise_print(const struct examination *examination) {
   const struct promise *promise = &examination->promise;
   const struct settings *settings = examination->settings;
-  const double um = promised_error(examination, ACCURACY_ELEVATION_UM);
-  const double psf = promised_error(examination, ACCURACY_PSF_OTF);
+  const double um = promise_error(examination, ACCURACY_ELEVATION_UM);
+  const double psf = promise_error(examination, ACCURACY_PSF_OTF);
   char elevation[64] = "", transfer[64] = "";
   if (!promise->made || !promise->kept_in_table) {
     return;

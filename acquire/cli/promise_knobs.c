@@ -113,7 +113,8 @@ void promise_each_knob(const struct accuracy_choice *choice,
                        void (*each)(void *user, const char *name, const char *value), void *user) {
   for (size_t i = 0; i < KNOBS; i++) {
     struct knob knob;
-    if (knob_find(&knob, choice->setting[knobs[i].stage], knobs[i].name)) {
+    if (knob_find(&knob, choice->setting[knobs[i].stage], knobs[i].name) &&
+        knob_number(knob.value) != 0) {
       each(user, knob.name, knob.value);
     }
   }

@@ -3,7 +3,7 @@
 
 static examination_step *const steps[] = {
     step_promise, step_capture,   step_begin,   step_mires, step_fit,
-    step_maps,    step_wavefront, step_outcome, step_save,  NULL};
+    step_maps,    step_wavefront, step_condition, step_outcome, step_save, NULL};
 
 static const struct recipe recipe = {
     .format = "placido-reconstruction/1", .marker = "reconstruction.json", .steps = steps};

@@ -376,6 +376,7 @@ static struct builder build_record(const struct examination *examination) {
   }
   if (examination->fit) {
     put_object(&builder, "fit", build_fit(examination));
+    put(&builder, "condition", conditions_json(&examination->conditions));
     put_object(&builder, "maps", build_maps(&examination->maps));
   }
   if (examination->views.scene_count > 0) {

@@ -109,7 +109,7 @@ static const struct option_row directory_rows[] = {
     {"output", 'o', "DIR", "Directory to write. It appears whole or not at all; an earlier result "
      "of the same command is replaced, anything else is not touched.", FIELD(output),
      parse_text, 0, 0},
-    {"timing", 0, NULL, "Print the wall time of every stage.", FIELD(timing), parse_switch, 0, 0},
+    {"timing", 0, NULL, "Print the wall time of every stage, and the processor time of all threads.", FIELD(timing), parse_switch, 0, 0},
 };
 
 static const struct option_row measuring_rows[] = {

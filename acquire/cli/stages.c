@@ -5,24 +5,31 @@
 #include <stdio.h>
 #include <time.h>
 
-static double now(void) {
-  struct timespec time;
-  clock_gettime(CLOCK_MONOTONIC, &time);
+static double read_clock(clockid_t clock) {
+  struct timespec time = {0};
+  clock_gettime(clock, &time);
   return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
+static double now(void) { return read_clock(CLOCK_MONOTONIC); }
+
+static double processor_now(void) { return read_clock(CLOCK_PROCESS_CPUTIME_ID); }
+
 void stages_start(struct stages *stages, const char *command, bool progress) {
-  *stages = (struct stages){.started = now()};
+  *stages = (struct stages){.started = now(), .processor_started_s = processor_now()};
   stages->stage_started = stages->started;
   stages->progress = progress_start(command, progress);
 }
 
 static void close_lap(struct stages *stages) {
-  const double time = now();
+  const double time = now(), processor_s = processor_now();
   if (stages->count > 0) {
-    stages->items[stages->count - 1].seconds = time - stages->stage_started;
+    struct stage *stage = &stages->items[stages->count - 1];
+    stage->seconds = time - stages->stage_started;
+    stage->processor_s = processor_s - stages->processor_started_s;
   }
   stages->stage_started = time;
+  stages->processor_started_s = processor_s;
   stages->total = time - stages->started;
 }
 
@@ -36,7 +43,7 @@ void stages_next(struct stages *stages, const char *format, ...) {
   va_start(arguments, format);
   vsnprintf(stage->name, sizeof stage->name, format, arguments);
   va_end(arguments);
-  stage->seconds = 0.0;
+  stage->seconds = stage->processor_s = 0.0;
   progress_say(stages->progress, stage->name);
 }
 
@@ -51,11 +58,14 @@ void stages_end(struct stages *stages) {
 }
 
 void stages_print(const struct stages *stages) {
-  printf("%-24s %9s\n", "stage", "ms");
+  double processor_s = 0;
+  printf("%-24s %9s %12s\n", "stage", "ms", "processor ms");
   for (size_t i = 0; i < stages->count; i++) {
-    printf("%-24s %9.1f\n", stages->items[i].name, 1e3 * stages->items[i].seconds);
+    const struct stage *stage = &stages->items[i];
+    processor_s += stage->processor_s;
+    printf("%-24s %9.1f %12.1f\n", stage->name, 1e3 * stage->seconds, 1e3 * stage->processor_s);
   }
-  printf("%-24s %9.1f\n", "total", 1e3 * stages->total);
+  printf("%-24s %9.1f %12.1f\n", "total", 1e3 * stages->total, 1e3 * processor_s);
 }
 
 double stages_elapsed(const struct stages *stages) {

@@ -1,4 +1,4 @@
-/* The stages of a run and the wall time of each. */
+/* The stages of a run and the time of each: by the clock, and of all processors together. */
 #ifndef PLACIDO_CLI_STAGES_H
 #define PLACIDO_CLI_STAGES_H
 
@@ -10,13 +10,14 @@
 
 struct stage {
   char name[32];
-  double seconds;
+  double seconds, processor_s;
 };
 
 struct stages {
   size_t count; /* the last one is running until stages_end */
   struct stage items[STAGES_MAX];
   double started, stage_started; /* monotonic seconds */
+  double processor_started_s;
   double total;
   bool ended;
   struct progress *progress; /* NULL where nothing is shown */

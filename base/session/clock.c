@@ -37,7 +37,9 @@ static int count_gaps(placido_clock_figures *figures, const placido_clock *clock
     if (tick->seq <= last->seq) {
       figures->restarts++;
     } else if (tick->seq - last->seq > passed) {
-      figures->missing += (int64_t)(tick->seq - last->seq - passed);
+      const int64_t left_out = (int64_t)(tick->seq - last->seq - passed);
+      figures->missing =
+          left_out < INT64_MAX - figures->missing ? figures->missing + left_out : INT64_MAX;
       status = gaps ? placido_ranges_add(gaps, tick->index, err) : PLACIDO_OK;
     }
   }

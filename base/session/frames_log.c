@@ -11,6 +11,8 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Of times, indices and counters: sums and differences of some stay far from overflow. 146 years. */
+#define NUMBER_MAX (INT64_MAX / 2)
 /* So many bad lines are reported one by one; the rest of a ruined file as a number. */
 #define REPORTED_MAX 10
 
@@ -50,11 +52,11 @@ static const char *parse_line(placido_frame_info *frame, const char *line, size_
   const char *fault = NULL;
   if (!json_is_object(object)) {
     fault = "is not a JSON object";
-  } else if (!read_integer(object, "index", -1, INT64_MAX, &index)) {
+  } else if (!read_integer(object, "index", -1, NUMBER_MAX, &index)) {
     fault = "has no valid index";
-  } else if (!read_integer(object, "timestamp_ns", -1, INT64_MAX, &t_ns)) {
+  } else if (!read_integer(object, "timestamp_ns", -1, NUMBER_MAX, &t_ns)) {
     fault = "has no valid timestamp_ns";
-  } else if (!read_integer(object, "sequence", index, INT64_MAX, &seq)) {
+  } else if (!read_integer(object, "sequence", index, NUMBER_MAX, &seq)) {
     fault = "has no valid sequence";
   } else if (!read_integer(object, "flags", 0, UINT32_MAX, &flags)) {
     fault = "has no valid flags";

@@ -228,13 +228,14 @@ static int refuse_missing(placido_session_reader *reader, placido_error *err) {
 }
 
 /* The samples are not those of the frame's line. Where they are those of a later one, damage made
- * the demuxer skip frames: they are refused one by one, so that every frame keeps its number. */
+ * the demuxer skip frames: they are refused one by one, so that every frame keeps its number. More
+ * than there are lines are not believed to be lost: a damaged line may have any number. */
 static int settle_mismatch(placido_session_reader *reader, placido_frame *frame, uint32_t crc32,
                            placido_error *err) {
   const int64_t index = reader->last.index;
   const placido_frame_info *line =
       placido_frames_log_find_checksum(&reader->log, index + 1, crc32);
-  if (!line) {
+  if (!line || (uint64_t)(line->index - index) > reader->log.count) {
     return placido_error_set(err, PLACIDO_INPUT, "%s: frame %lld is damaged (its checksum is not "
                                                  "that of frames.jsonl)",
                              placido_text_tail(reader->video_path), (long long)index);

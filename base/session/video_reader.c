@@ -15,6 +15,7 @@
 #include <string.h>
 
 #define HEAD_BYTES ((size_t)1 << 20)
+#define TIME_MAX_NS (INT64_MAX / 16) /* 18 years: a stream that says more says nothing */
 
 struct placido_video_reader {
   AVFormatContext *container;
@@ -245,10 +246,11 @@ static int take_picture(const placido_video_reader *video, placido_frame *frame,
     memcpy(frame->data + (size_t)y * frame->stride_bytes,
            picture->data[0] + (ptrdiff_t)y * picture->linesize[0], frame->stride_bytes);
   }
-  AVRational unit = video->container->streams[video->stream]->time_base;
-  frame->t_ns = video->time == AV_NOPTS_VALUE
-                    ? 0
-                    : av_rescale_q(video->time, unit, (AVRational){1, 1000000000});
+  const AVRational unit = video->container->streams[video->stream]->time_base;
+  const int64_t t_ns = av_rescale_q(video->time, unit, (AVRational){1, 1000000000});
+  const bool is_known =
+      video->time != AV_NOPTS_VALUE && t_ns >= -TIME_MAX_NS && t_ns <= TIME_MAX_NS;
+  frame->t_ns = is_known ? t_ns : 0;
   return PLACIDO_OK;
 }
 

@@ -49,8 +49,10 @@ typedef struct placido_fit_summary {
 /* Fits the surface. Sets used and residual_px in `mires`, and corrects numbers that the surface
  * contradicts (with a note); a point for whose new number there is no edge goes. Free with
  * placido_fit_free.
- * Returns PLACIDO_OK, PLACIDO_INPUT (an option out of range), PLACIDO_QUALITY (too few points, no
- * convergence, or no cornea: the sentence says which), PLACIDO_MEMORY. */
+ * Returns PLACIDO_OK, PLACIDO_INPUT (an option out of range, an instrument that is not one in
+ * millimetres, a point without number, noise, edge or place in the image, or points out of order or
+ * twice), PLACIDO_QUALITY (too few points, no convergence, or no cornea: the sentence says which),
+ * PLACIDO_MEMORY. */
 int placido_fit_new(placido_fit **fit, placido_mires *mires,
                     const placido_instrument *instrument, const placido_fit_options *options,
                     placido_notes *notes, placido_error *err);
@@ -109,5 +111,11 @@ int placido_fit_variant(placido_surface **surface, const placido_fit *fit, int v
  * placido_surface_free. Returns PLACIDO_OK or PLACIDO_MEMORY. */
 int placido_fit_draw(placido_surface **surface, const placido_fit *fit, int number,
                      placido_error *err);
+
+/* The fitted surface as it would be were z on the axis larger by so many mm, to first order in the
+ * fit: what the distance variant is by its sigma. Free with placido_surface_free. Returns PLACIDO_OK
+ * or PLACIDO_MEMORY. */
+int placido_fit_moved(placido_surface **surface, const placido_fit *fit, double distance_mm,
+                      placido_error *err);
 
 #endif

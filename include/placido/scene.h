@@ -82,8 +82,9 @@ bool placido_scene_coarse(const placido_scene *scene, const placido_psf *psf);
  * colours spread weighted by it and alpha spreads with them, so that what cannot be seen through a
  * hole does not darken its rim. `seen` gets linear light; free with placido_image_free. A scene
  * coarser than the bucket is refused with the reason, unless it says allow_coarse: then its pixels
- * are squares of even light (area), or interpolated (bicubic). Samples that are no numbers, or beyond 1e12 times
- * white, are refused. `threads` 0: one. Returns PLACIDO_OK, PLACIDO_INPUT, PLACIDO_QUALITY, PLACIDO_MEMORY. */
+ * are squares of even light (area), or interpolated (bicubic). Samples that are no numbers, or
+ * beyond 1e12 times white, are refused. `threads` 0: one. Returns PLACIDO_OK, PLACIDO_INPUT,
+ * PLACIDO_QUALITY, PLACIDO_MEMORY. */
 int placido_scene_see(placido_image *seen, const placido_scene *scene, const placido_psf *psf,
                       int threads, placido_error *err);
 

@@ -82,7 +82,7 @@ static size_t extrema(candidate *out, const float *d, const placido_meridian *al
 static int candidates_new(candidates *out, const placido_polar *polar, double sigma_px,
                           int threads, placido_error *err) {
   size_t meridians = (size_t)polar->meridians, samples = (size_t)polar->samples;
-  *out = (candidates){.meridians = polar->meridians, .room = samples / 2 + 1};
+  *out = (candidates){.meridians = polar->meridians, .room = samples}; /* noise may turn at each */
   float *slopes = placido_memory_new(meridians * samples, sizeof *slopes, err);
   out->found = placido_memory_new(meridians, sizeof *out->found, err);
   out->list = placido_memory_new(meridians * out->room, sizeof *out->list, err);

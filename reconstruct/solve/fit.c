@@ -30,7 +30,7 @@ static int cover(placido_coverage *coverage, unsigned char **mask, double *radiu
                      : PLACIDO_MEMORY;
   size_t folded = status ? 0 : placido_fold_find(folds, p->samples, p->count, p->mires);
   if (folded) {
-    double share = placido_fold_mask(coverage, *mask, folds, folded);
+    double share = placido_fold_mask(coverage, *mask, folds, folded, PLACIDO_FOLD_REACH_MM);
     placido_notes_add(notes,
                       "the cornea folds the mires about x = %.1f, y = %.1f mm: %.0f %% of the map "
                       "are left out",
@@ -44,10 +44,12 @@ static int cover(placido_coverage *coverage, unsigned char **mask, double *radiu
     status = placido_solution_check_hole(p, hole_mm2, err);
   }
   if (!status) {
-    status = placido_contradict_find(folds, &folded, p->samples, p->count, err);
+    status = placido_contradict_find(folds, &folded, p->samples, p->count,
+                                     p->refinement.sigma_px, err);
   }
   if (!status && folded) {
-    double share = placido_fold_mask(coverage, *mask, folds, folded);
+    double share =
+        placido_fold_mask(coverage, *mask, folds, folded, PLACIDO_CONTRADICT_REACH_MM);
     placido_notes_add(notes,
                       "most edge points about x = %.1f, y = %.1f mm contradict the surface: %.1f %% "
                       "of the map are left out",

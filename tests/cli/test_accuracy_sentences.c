@@ -72,15 +72,24 @@ static void test_ladder(void **state) {
   assert_says(mires, "the least, 0.06 µm costs 400 ms (360 meridians, a filter of 2 px)");
   assert_null(strstr(mires, "24 meridians")); /* the hard eye has no such row */
   const char *trace = text_of(&sentences, ACCURACY_TRACE, 0);
-  assert_says(trace, "0.1 of the transfer function costs 1 ms (50 rays across)");
-  assert_says(trace, "0.01 of the transfer function costs 4 ms (100 rays across)");
-  assert_says(trace, "the least, 0.0001 of the transfer function costs 64 ms");
+  assert_says(trace, "error of the transfer function");
+  assert_says(trace, ": 0.1 costs 1 ms (50 rays across), 0.01 costs 4 ms (100 rays across)");
+  assert_says(trace, "the least, 0.0001 costs 64 ms (400 rays across).");
   assert_says(text_of(&sentences, ACCURACY_REST, 0), "take 80 ms");
   assert_string_equal(text_of(&sentences, ACCURACY_FLOOR, 0), "");
   accuracy_table_free(&table);
 }
 
-/* A tenth of the floor is enough: then more time buys nothing. Without it, this stage is what limits. */
+static void set_floor(struct accuracy_table *table, double value) {
+  for (size_t i = 0; i < table->count; i++) {
+    if (table->rows[i].stage == ACCURACY_FLOOR) {
+      table->rows[i].error[ACCURACY_PSF_OTF] = value;
+    }
+  }
+}
+
+/* What leaves less than a tenth of the floor is enough: then more time buys nothing. What leaves
+ * more than the floor at its finest is what limits. */
 static void test_limit(void **state) {
   (void)state;
   struct accuracy_table table = make_table();
@@ -88,14 +97,21 @@ static void test_limit(void **state) {
   add_both(&table, ACCURACY_FLOOR, "knobs=finest", ACCURACY_PSF_OTF, 0.02, 100);
   accuracy_sentences_find(&sentences, &table);
   const char *enough = text_of(&sentences, ACCURACY_TRACE, 1);
-  assert_says(enough, "leaves 0.002 of the transfer function with 100 rays across, for 4 ms");
-  assert_says(enough, "0.02 of the transfer function with everything at its finest");
-  /* (0.002 - 0.0001) / (0.02 + 0.002) is 8.6 %. */
-  assert_says(enough, "Over ten times the time buys nothing: at most 9 %");
-  table.rows[table.count - 1].error[ACCURACY_PSF_OTF] = 1e-5;
-  table.rows[table.count - 2].error[ACCURACY_PSF_OTF] = 1e-5;
+  assert_says(enough, "leaves 0.002 for 4 ms (100 rays across), while noise and camera leave 0.02 ");
+  /* 0.02 + 0.002, and 0.02 + 0.0001, as a choice adds them up. */
+  assert_says(enough, "16 times the time (400 rays across) buys next to nothing: 0.022 are left in "
+                      "all, then 0.02.");
+  set_floor(&table, 4);
   accuracy_sentences_find(&sentences, &table);
-  assert_says(text_of(&sentences, ACCURACY_TRACE, 1), "here is what limits you");
+  enough = text_of(&sentences, ACCURACY_TRACE, 1);
+  assert_says(enough, "leaves 0.03 for 1 ms (50 rays across)");
+  assert_says(enough, "64 times the time (400 rays across) buys nothing: 4 is left in all.");
+  set_floor(&table, 0.0005);
+  accuracy_sentences_find(&sentences, &table);
+  assert_says(text_of(&sentences, ACCURACY_TRACE, 1), "noise and camera, which leave 0.0005, limit");
+  set_floor(&table, 1e-5);
+  accuracy_sentences_find(&sentences, &table);
+  assert_says(text_of(&sentences, ACCURACY_TRACE, 1), "so that it limits you");
   accuracy_table_free(&table);
 }
 

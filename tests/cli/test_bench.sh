@@ -13,7 +13,7 @@ compared() {
 }
 
 succeed help bench
-for name in record live reconstruct simulate effects; do
+for name in record live reconstruct simulate effects accuracy; do
   says "^  $name  " out.txt
 done
 for option in $(grep -oE '^  .{4}--[a-z-]+' out.txt | sed 's/.*--//'); do
@@ -58,6 +58,22 @@ says '^  tumbling-e: mostly runs ' out.txt
 says '^scene,eye,pupil_mm,tolerance,difference,.*,diffraction_ran,diffraction_bound,diffraction_worth' \
   grid/effects.csv
 says '^tumbling-e,normal,4,0.01,' grid/effects.csv
+
+# The accuracy table: every stage of it, every row whole, and the user's own is not touched.
+mkdir table
+XDG_CACHE_HOME=$work/cache succeed bench accuracy --quick -o table
+says '^accuracy: ' out.txt
+compared 'mires: least error' 'what measuring leaves'
+compared 'exam: its time' 'the probe'
+says '^  The fit, error of elevation in the hardest of 2 eyes: .*µm costs [0-9.]+ ms \(' out.txt
+says '^# placido-accuracy/1$' table/accuracy.csv
+for stage in mires fit trace psf convolution acuity rest floor exam; do
+  says "^$stage,[a-z_]+=.*,(normal|keratoconus),.*,[0-9.e+-]+$" table/accuracy.csv
+done
+awk -F, '/^#/ { next } NF != 9 { bad = 1 } END { exit bad }' table/accuracy.csv ||
+  fail "a row of the accuracy table is not whole"
+[ ! -e cache ] || fail "a quick accuracy table is kept"
+refuse 1 'nowhere' bench accuracy --quick -o nowhere
 
 succeed bench --quick --json
 json out.txt - load processors benchmarks command exit_code

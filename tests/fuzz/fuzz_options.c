@@ -1,5 +1,8 @@
-/* Command lines: words, a line each, against rows of every kind of value. */
+/* What a person types: command lines, a word a line, against rows of every kind of value; and each
+ * word as orders to a simulated camera and as numbers of frames. */
 #include "acquire/cli/options.h"
+#include "acquire/cli/sim_orders.h"
+#include "base/session/ranges.h"
 #include "tests/fuzz/files.h"
 #include "tests/fuzz/target.h"
 
@@ -39,6 +42,33 @@ static void check(const struct values *values) {
   }
 }
 
+static void read_orders(const char *word) {
+  static struct sim_orders orders;
+  struct sim_order order;
+  placido_error err = {0};
+  if (sim_order_parse(&order, word, &err) == PLACIDO_OK) {
+    FUZZ_REQUIRE(order.number >= 0 && order.number <= 1e6);
+  }
+  if (sim_orders_parse(&orders, word, &err) == PLACIDO_OK) {
+    FUZZ_REQUIRE(orders.count <= SIM_ORDERS_MAX);
+    for (size_t i = 0; i < orders.count; i++) {
+      FUZZ_REQUIRE(orders.items[i].at_ns >= 0);
+    }
+  }
+}
+
+static void read_ranges(const char *word) {
+  placido_ranges ranges = {0};
+  placido_error err = {0};
+  char text[100];
+  if (fuzz_check(placido_ranges_parse(&ranges, word, &err), &err)) {
+    placido_ranges_text(text, sizeof text, &ranges);
+    FUZZ_REQUIRE(ranges.count >= 1 && text[0] != '\0');
+    FUZZ_REQUIRE(placido_ranges_total(&ranges) >= (int64_t)ranges.count);
+  }
+  placido_ranges_free(&ranges);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   char line[LINE_MAX_BYTES + 1] = "", *argv[WORDS_MAX + 1] = {NULL}, *rest = line;
   static char command[] = "fuzz";
@@ -47,6 +77,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   argv[0] = command;
   while (rest && argc < WORDS_MAX) {
     argv[argc++] = strsep(&rest, "\n");
+    read_orders(argv[argc - 1]);
+    read_ranges(argv[argc - 1]);
   }
   struct values values = {.on = false};
   struct text_list more = {.count = 0};

@@ -14,7 +14,8 @@
 #include <string.h>
 
 #define SIDE_MAX_PX 6
-#define RUN_MAX_MS 20.0 /* what a plan may cost to be run here */
+#define RUN_MAX_MS 5.0  /* what a plan may cost to be run here */
+#define SEARCHED 5      /* of 256: the eye's focus is not given, and searching it takes long */
 
 /* What is left of the input. */
 struct bytes {
@@ -64,9 +65,11 @@ static placido_eye make_eye(struct bytes *bytes) {
   eye.pupil_x_mm = CHOOSE(bytes, 0, 0.3, -2, 100);
   eye.pupil_y_mm = CHOOSE(bytes, 0, -0.2, 3);
   eye.index = CHOOSE(bytes, 0, 1.3375, 1.376, 1.01, 2, 1, 5, NAN);
-  /* without a retina it is searched, which takes long: one time in eight */
-  eye.retina_mm = CHOOSE(bytes, 24, 30.9, 31, 20, 200, 5, 0, -3);
-  eye.correct = (enum placido_correct)(eye.retina_mm == 0 ? next(bytes) % 3 : 0);
+  eye.retina_mm = CHOOSE(bytes, 24, 30.9, 31, 20, 200, 5, -3);
+  if (next(bytes) == SEARCHED) {
+    eye.retina_mm = 0;
+    eye.correct = (enum placido_correct)(next(bytes) % 3);
+  }
   eye.correction.m_D = CHOOSE(bytes, 0, -1, 3, -30, 1e3, NAN);
   eye.correction.j0_D = CHOOSE(bytes, 0, 0.5, -10);
   eye.age_years = CHOOSE(bytes, 0, 20, 75, 5, 100, 101);

@@ -169,6 +169,50 @@ static void steps_of_distance_and_geometry_are_exact(void **state) {
   check_steps(3);
 }
 
+/* The fit at another distance, taken to first order, is the fit at that distance: to second order in
+ * the step, some 1e-3 of the change for 0.02 mm (the cornea's distance is 120 mm, the mires' 40), and
+ * what each fit's last step leaves. */
+static void check_moved(int degree) {
+  const double step_mm = 0.02;
+  placido_instrument instrument;
+  double axis_z_mm, worst_um = 0, worst_D = 0, most_um = 0, most_D = 0;
+  placido_fit *fits[2];
+  placido_surface *moved;
+  placido_mires mires = points_of(&instrument, &axis_z_mm);
+  for (int k = 0; k < 2; k++) {
+    const placido_fit_options options = {
+        .axis_z_mm = axis_z_mm + k * step_mm, .degree = degree, .tolerance = 1e-4, .knot_mm = 0.5};
+    assert_int_equal(placido_fit_new(&fits[k], &mires, &instrument, &options, NULL, NULL),
+                     PLACIDO_OK);
+  }
+  const placido_surface *before = placido_fit_surface(fits[0]), *after = placido_fit_surface(fits[1]);
+  assert_int_equal(placido_fit_moved(&moved, fits[0], step_mm, NULL), PLACIDO_OK);
+  for (int i = 0; i < PLACES; i++) {
+    double x, y;
+    place_of(i, &x, &y);
+    double height = elevation_um(after, x, y), power = axial_D(after, x, y);
+    worst_um = fmax(worst_um, fabs(elevation_um(moved, x, y) - height));
+    worst_D = fmax(worst_D, fabs(axial_D(moved, x, y) - power));
+    most_um = fmax(most_um, fabs(height - elevation_um(before, x, y)));
+    most_D = fmax(most_D, fabs(power - axial_D(before, x, y)));
+  }
+  print_message("moved: %.4f of %.3f um, %.5f of %.4f D\n", worst_um, most_um, worst_D, most_D);
+  assert_near(height_um(moved, 0, 0), height_um(before, 0, 0) + 1e3 * step_mm, 1e-3);
+  assert_true(most_um > 0.1 && most_D > 0.02);
+  assert_true(worst_um < 5e-3 * most_um);
+  assert_true(worst_D < 5e-3 * most_D);
+  placido_surface_free(moved);
+  placido_fit_free(fits[0]);
+  placido_fit_free(fits[1]);
+  placido_mires_free(&mires);
+}
+
+static void a_moved_fit_is_the_fit_at_that_distance(void **state) {
+  (void)state;
+  check_moved(5);
+  check_moved(3);
+}
+
 /* The same fit on the same points has the same variants, by any number of threads: draws are keyed.
  */
 static void variants_are_the_same_every_time(void **state) {
@@ -193,6 +237,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(draws_have_the_noise_s_sigmas),
       cmocka_unit_test(steps_of_distance_and_geometry_are_exact),
+      cmocka_unit_test(a_moved_fit_is_the_fit_at_that_distance),
       cmocka_unit_test(variants_are_the_same_every_time),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -16,9 +16,8 @@ enum claim {
   CLAIM_STREHL_3,  /* strehl_555nm of that wavefront */
   CLAIM_STREHL_6,
   CLAIM_STREHL_G,  /* of the point spread function */
-  CLAIM_OPTICS,   /* of the logMAR: sigma_optics, the observer's trials being the same */
-  CLAIM_LOGMAR,   /* sigma_optics and sigma_trials: other trials. People differ by sigma_observer
-                     beyond that, which is no error of the eye */
+  CLAIM_LOGMAR,   /* by sigma_optics and sigma_trials; people differ by sigma_observer beyond that,
+                     which is no error of the eye */
   CLAIMS
 };
 
@@ -33,7 +32,8 @@ const char *claim_name(enum claim claim);
 const char *claim_unit(enum claim claim);
 
 /* Holds a fit against the truth; pupil_mm is that of the point spread function, and the observer's
- * trials come from the seed. */
+ * trials come from the seed: the same ones would err alike in all eyes. The truth has other trials,
+ * and more of them. */
 void claims_find(struct claim_result results[CLAIMS], const placido_fit *fit,
                  const placido_surface *truth, double pupil_mm, uint64_t seed);
 

@@ -9,7 +9,6 @@
 #include "tests/support/truth.h"
 
 #include <placido/phantom.h>
-#include <placido/zernike.h>
 #include <string.h>
 
 static const double cornea_mm = 5.6;
@@ -30,17 +29,81 @@ struct family {
 };
 
 static const struct family families[DRAWN_FAMILIES] = {
-    {"conicoid", 24, {7.3, 8.3}, {-0.5, 0.1}, {0, 0}, {0, 0.1}, 0, {0, 0}, {0, 0}, {0, 0}, {0, 0}},
-    {"toric", 26, {7.4, 8.3}, {-0.4, 0}, {0.5, 4}, {0, 0.1}, 0, {0, 0}, {0, 0}, {0, 0}, {0, 0}},
-    {"decentred", 20, {7.4, 8.2}, {-0.4, 0}, {0, 1.5}, {0.2, 0.6}, 0, {0, 0}, {0, 0}, {0, 0}, {0, 0}},
-    {"irregular", 24, {7.4, 8.2}, {-0.4, 0}, {0, 2}, {0, 0.2}, 1.2, {0, 0}, {0, 0}, {0, 0}, {0, 0}},
-    {"mild cone", 16, {7.5, 8}, {-0.4, -0.1}, {0, 2}, {0, 0.1}, 0.4, {.01, .03}, {1, 1.4}, {0, 0}, {0, 0}},
-    {"cone", 16, {7.5, 8}, {-0.4, -0.1}, {0, 2}, {0, 0.1}, 0.6, {.03, .07}, {1, 1.3}, {0, 0}, {0, 0}},
-    {"severe cone", 12, {7.4, 7.8}, {-0.4, -0.1}, {0, 2}, {0, 0.1}, 1.2, {.07, .12}, {.95, 1.25}, {0, 0}, {0, 0}},
-    {"flat", 14, {8.6, 11}, {0, 0.6}, {0, 1}, {0, 0.2}, 0, {0, 0}, {0, 0}, {0, 0}, {0, 0}},
-    {"steep", 14, {6, 7}, {-0.4, 0}, {0, 1}, {0, 0.2}, 0, {0, 0}, {0, 0}, {0, 0}, {0, 0}},
-    {"post-laser", 20, {7.5, 8}, {-0.3, 0}, {0, 1}, {0, 0.1}, 0.3, {0, 0}, {0, 0}, {1, 8}, {0, 0}},
-    {"ridge", 14, {7.6, 8}, {-0.3, 0}, {0, 1}, {0, 0.1}, 0.3, {0, 0}, {0, 0}, {0, 0}, {.002, .008}},
+    {.name = "conicoid", .share = 24, .radius_mm = {7.3, 8.3}, .q = {-0.5, 0.1}, .off_mm = {0, 0.1}},
+    {.name = "toric",
+     .share = 26,
+     .radius_mm = {7.4, 8.3},
+     .q = {-0.4, 0},
+     .cylinder_D = {0.5, 4},
+     .off_mm = {0, 0.1}},
+    {.name = "decentred",
+     .share = 20,
+     .radius_mm = {7.4, 8.2},
+     .q = {-0.4, 0},
+     .cylinder_D = {0, 1.5},
+     .off_mm = {0.2, 0.6}},
+    {.name = "irregular",
+     .share = 24,
+     .radius_mm = {7.4, 8.2},
+     .q = {-0.4, 0},
+     .cylinder_D = {0, 2},
+     .off_mm = {0, 0.2},
+     .terms_um = 1.2},
+    {.name = "mild cone",
+     .share = 16,
+     .radius_mm = {7.5, 8},
+     .q = {-0.4, -0.1},
+     .cylinder_D = {0, 2},
+     .off_mm = {0, 0.1},
+     .terms_um = 0.4,
+     .cone_mm = {0.01, 0.03},
+     .cone_sigma_mm = {1, 1.4}},
+    {.name = "cone",
+     .share = 16,
+     .radius_mm = {7.5, 8},
+     .q = {-0.4, -0.1},
+     .cylinder_D = {0, 2},
+     .off_mm = {0, 0.1},
+     .terms_um = 0.6,
+     .cone_mm = {0.03, 0.07},
+     .cone_sigma_mm = {1, 1.3}},
+    {.name = "severe cone",
+     .share = 12,
+     .radius_mm = {7.4, 7.8},
+     .q = {-0.4, -0.1},
+     .cylinder_D = {0, 2},
+     .off_mm = {0, 0.1},
+     .terms_um = 1.2,
+     .cone_mm = {0.07, 0.12},
+     .cone_sigma_mm = {0.95, 1.25}},
+    {.name = "flat",
+     .share = 14,
+     .radius_mm = {8.6, 11},
+     .q = {0, 0.6},
+     .cylinder_D = {0, 1},
+     .off_mm = {0, 0.2}},
+    {.name = "steep",
+     .share = 14,
+     .radius_mm = {6, 7},
+     .q = {-0.4, 0},
+     .cylinder_D = {0, 1},
+     .off_mm = {0, 0.2}},
+    {.name = "post-laser",
+     .share = 20,
+     .radius_mm = {7.5, 8},
+     .q = {-0.3, 0},
+     .cylinder_D = {0, 1},
+     .off_mm = {0, 0.1},
+     .terms_um = 0.3,
+     .laser_D = {1, 8}},
+    {.name = "ridge",
+     .share = 14,
+     .radius_mm = {7.6, 8},
+     .q = {-0.3, 0},
+     .cylinder_D = {0, 1},
+     .off_mm = {0, 0.1},
+     .terms_um = 0.3,
+     .ridge = {0.002, 0.008}},
 };
 
 int drawn_family(int number, int of) {
@@ -214,6 +277,17 @@ struct hidden_arc {
   int first, last; /* edges */
 };
 
+/* Anywhere round the middle; it begins at this share of the edges and goes over so many of them. */
+static struct hidden_arc arc_of(struct draw *draw, struct range wide_deg, struct range share,
+                                int edges, int length) {
+  struct hidden_arc arc;
+  arc.from_deg = within(draw, (struct range){0, 360});
+  arc.wide_deg = within(draw, wide_deg);
+  arc.first = (int)(within(draw, share) * edges);
+  arc.last = arc.first + length;
+  return arc;
+}
+
 static bool is_in(const struct hidden_arc *arc, const placido_mire_point *point) {
   double off = fmod(point->meridian_deg - arc->from_deg + 720, 360);
   return off < arc->wide_deg && point->edge >= arc->first && point->edge <= arc->last;
@@ -240,15 +314,11 @@ static void hide(struct drawn_eye *eye, struct draw *draw) {
   int edges = eye->mires.edge_count, count = 0;
   double share = 0;
   if (eye->hidden == HIDES_SECTOR) {
-    double from = within(draw, (struct range){0.25, 0.6}) * edges;
-    arcs[count++] = (struct hidden_arc){within(draw, (struct range){0, 360}),
-                                        within(draw, (struct range){30, 100}), (int)from, edges};
+    arcs[count++] = arc_of(draw, (struct range){30, 100}, (struct range){0.25, 0.6}, edges, edges);
   } else if (eye->hidden == HIDES_ARCS) {
     for (; count < ARCS; count++) {
-      int first = (int)(within(draw, (struct range){0.1, 1}) * edges);
       int length = (int)within(draw, (struct range){2, 12});
-      arcs[count] = (struct hidden_arc){within(draw, (struct range){0, 360}),
-                                        within(draw, (struct range){3, 15}), first, first + length};
+      arcs[count] = arc_of(draw, (struct range){3, 15}, (struct range){0.1, 1}, edges, length);
     }
   } else if (eye->hidden == HIDES_POINTS) {
     share = within(draw, (struct range){0.05, 0.6});
@@ -268,11 +338,11 @@ void drawn_noise(placido_mires *mires, uint64_t seed, uint64_t stream, double si
 }
 
 static int find_in_picture(struct drawn_eye *eye, struct draw *draw) {
-  const placido_disturbance usual = {.seed = draw->seed * 1000 + draw->eye,
-                                     .blur_px = within(draw, (struct range){0.6, 1.2}),
-                                     .noise = within(draw, (struct range){0.8, 2}),
-                                     .lashes = eye->hidden == HIDES_ARCS ? 12 : 0,
-                                     .nose = eye->hidden == HIDES_SECTOR};
+  placido_disturbance usual = {.seed = draw->seed * 1000 + draw->eye,
+                               .lashes = eye->hidden == HIDES_ARCS ? 12 : 0,
+                               .nose = eye->hidden == HIDES_SECTOR};
+  usual.blur_px = within(draw, (struct range){0.6, 1.2});
+  usual.noise = within(draw, (struct range){0.8, 2});
   placido_frame frame = {0};
   placido_mires_options how = {.threads = 2};
   placido_error err = {0};

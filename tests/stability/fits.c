@@ -7,6 +7,7 @@
 #define STEP_MM 0.2
 #define HALF 20
 #define LEVEL_MM 1.5
+#define LEVEL_STEP_MM 0.05
 #define ROOM ((2 * HALF + 1) * (2 * HALF + 1))
 
 fits_eye fits_eye_new(const char *instrument, const placido_part *parts, size_t count,
@@ -32,7 +33,7 @@ void fits_eye_free(fits_eye *eye) {
 }
 
 double fits_truncation_um(double sixth, double knot_mm) {
-  return 1e3 * 3 * 2 * 1.32e-3 * pow(knot_mm, 6) * sixth;
+  return 1e3 * 5.2 * 2 * 1.32e-3 * pow(knot_mm, 6) * sixth;
 }
 
 placido_mires fits_some(const fits_eye *eye, fits_choice *keep, double share) {
@@ -111,17 +112,35 @@ static size_t look(struct place places[ROOM], const placido_fit *fit, const fits
   return n;
 }
 
-/* The mean height error near the axis, or everywhere where nothing is covered there. */
-static double level_of(const struct place *places, size_t n) {
-  double sum = 0, all = 0;
-  size_t near = 0;
-  for (size_t i = 0; i < n; i++) {
-    bool is_near = hypot(places[i].x, places[i].y) <= LEVEL_MM;
-    sum += is_near ? places[i].error_um : 0;
-    near += is_near;
-    all += places[i].error_um;
+/* Adds up the height errors of the covered places within a radius. */
+static size_t sum_errors(double *sum, const placido_fit *fit, const fits_eye *eye, double radius) {
+  const placido_surface *found = placido_fit_surface(fit);
+  double lift = placido_surface_vertex_z_mm(found) - placido_surface_vertex_z_mm(eye->truth);
+  int half = (int)(radius / LEVEL_STEP_MM);
+  size_t n = 0;
+  *sum = 0;
+  for (int j = -half; j <= half; j++) {
+    for (int i = -half; i <= half; i++) {
+      double x = i * LEVEL_STEP_MM, y = j * LEVEL_STEP_MM;
+      placido_jet a, b;
+      if (hypot(x, y) <= radius && placido_surface_covered(found, x, y) &&
+          placido_surface_at(found, x, y, &a) && placido_surface_at(eye->truth, x, y, &b)) {
+        *sum += 1e3 * (lift - (a.sag - b.sag));
+        n++;
+      }
+    }
   }
-  return near ? sum / (double)near : n ? all / (double)n : 0;
+  return n;
+}
+
+/* The mean height error near the axis, or everywhere where nothing is covered there. */
+static double level_of(const placido_fit *fit, const fits_eye *eye) {
+  double sum;
+  size_t n = sum_errors(&sum, fit, eye, LEVEL_MM);
+  if (!n) {
+    n = sum_errors(&sum, fit, eye, placido_surface_radius_mm(placido_fit_surface(fit)));
+  }
+  return n ? sum / (double)n : 0;
 }
 
 /* The largest error over its sigma; NaN where one is not a number. */
@@ -147,7 +166,7 @@ fits_error fits_compare(const placido_fit *fit, const fits_eye *eye) {
   static double sigmas[ROOM];
   size_t all, n = look(places, fit, eye, true, &all);
   fits_error e = {.points = n, .covered = (double)n / (double)all};
-  double level_um = level_of(places, n);
+  double level_um = level_of(fit, eye);
   e.over_sigma = worst_of(places, n, level_um, eye->truncation_um);
   for (size_t i = 0; i < n; i++) {
     e.worst_um = fmax(e.worst_um, fabs(places[i].error_um));
@@ -189,15 +208,15 @@ double fits_difference(const placido_fit *a, const placido_fit *b) {
   return worst;
 }
 
-void fits_add(const char *name, const placido_fit *fit, const fits_error *e, double perturbation,
-              const char *unit) {
+void fits_add(const char *name, const placido_fit *fit, const fits_error *e, double more,
+              double perturbation, const char *unit) {
   const struct stability_row row = {.name = name,
                                     .condition = placido_fit_summary_get(fit).condition,
                                     .perturbation = perturbation,
                                     .in_unit = unit,
                                     .change = e->over_sigma,
                                     .out_unit = "sigma",
-                                    .bound = fits_bound(e->points),
+                                    .bound = fits_bound(e->points) + more,
                                     .extended = NAN};
   stability_add(&row);
 }

@@ -35,10 +35,11 @@ fits_eye fits_eye_new(const char *instrument, const placido_part *parts, size_t 
                       int meridians);
 void fits_eye_free(fits_eye *eye);
 
-/* Error of the best quintic spline: for knots every h it is at most K6/pi^6 h^6 |f''''''| along a
- * line (Favard's constant, K6/pi^6 = 1.3e-3), twice that in two dimensions, and a least-squares fit
- * is off by at most three times the best (the norm of the projection is 2, Shadrin 2001, along a
- * line). `sixth` is the largest sixth derivative of the sag, mm^-5. */
+/* Error of the quintic spline itself: of the best one with knots every h it is at most
+ * 1.32e-3 h^6 |f| along a line (Favard: K6/pi^6), twice that in two dimensions, and one fitted
+ * by least squares is off by at most 1 + 4.2 times the best (the largest sum of |weights| of the
+ * data, 2.05 along a line by the Gram matrix of the B-splines on even knots, squared). `sixth` is the
+ * largest sixth derivative of the sag, mm^-5. */
 double fits_truncation_um(double sixth, double knot_mm);
 
 /* Which of an eye's points are left; free with placido_mires_free. */
@@ -69,9 +70,10 @@ double fits_bound(size_t points);
  */
 double fits_difference(const placido_fit *a, const placido_fit *b);
 
-/* Adds the row of a fit whose errors over the covered part must stay below fits_bound. */
-void fits_add(const char *name, const placido_fit *fit, const fits_error *e, double perturbation,
-              const char *unit);
+/* Adds the row of a fit whose errors over the covered part must stay below fits_bound, or below that
+ * and `more` sigmas. */
+void fits_add(const char *name, const placido_fit *fit, const fits_error *e, double more,
+              double perturbation, const char *unit);
 
 /* Fits mires that must be refused, with this status and a sentence that holds `says`, and adds the
  * row. */

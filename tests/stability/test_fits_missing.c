@@ -66,7 +66,7 @@ static void error_bars_grow_by_what_is_missing(const fits_eye *eye, int pattern)
     placido_fit *fit = fits_of(eye, &some, NULL);
     fits_error e = fits_compare(fit, eye);
     snprintf(name, sizeof name, "%.0f %% missing %s", 100 * shares[k], patterns[pattern].name);
-    fits_add(name, fit, &e, 100 * shares[k], "%");
+    fits_add(name, fit, &e, 0, 100 * shares[k], "%");
     snprintf(name, sizeof name, "%.0f %% missing %s, median sigma", 100 * shares[k],
              patterns[pattern].name);
     const struct stability_row row = {.name = name,
@@ -124,7 +124,7 @@ static void few_mires_say_how_little_they_know(void **state) {
     placido_fit *fit = fits_of(&eye, NULL, NULL);
     fits_error e = fits_compare(fit, &eye);
     snprintf(name, sizeof name, "%d edges on 180 meridians", counts[i]);
-    fits_add(name, fit, &e, counts[i], "edges");
+    fits_add(name, fit, &e, 0, counts[i], "edges");
     placido_fit_free(fit);
     fits_eye_free(&eye);
   }
@@ -174,7 +174,7 @@ static void knots_without_data_are_held(void **state) {
     placido_fit_options options = {.knot_mm = cases[i].knot_mm};
     placido_fit *fit = fits_of(&eye, &some, &options);
     fits_error e = fits_compare(fit, &eye);
-    fits_add(cases[i].name, fit, &e, cases[i].knot_mm, "mm");
+    fits_add(cases[i].name, fit, &e, 0, cases[i].knot_mm, "mm");
     assert_true(e.points > 10);
     placido_fit_free(fit);
     placido_mires_free(&some);

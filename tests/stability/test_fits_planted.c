@@ -79,7 +79,7 @@ static void check_planted(const fits_eye *eye, int shift, int arc_of) {
   fits_error e = fits_compare(fit, eye);
   snprintf(name, sizeof name, arc_of < 0 ? "numbers %+d, scattered" : "numbers %+d, arc of edge %d",
            shift, arc_of);
-  fits_add(name, fit, &e, 100.0 * (double)p.count / (double)eye->mires.count, "%");
+  fits_add(name, fit, &e, 0, 100.0 * (double)p.count / (double)eye->mires.count, "%");
   assert_true(e.covered > 0.99);
   size_t seen = 0;
   for (size_t i = 0; i < p.mires.count; i++) {

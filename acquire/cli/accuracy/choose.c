@@ -24,7 +24,8 @@ struct search {
   double parts_ms;               /* of the rest */
   struct table_eyes eyes;
   struct candidates stages[ACCURACY_STAGES];
-  bool told[ACCURACY_ERRORS];    /* whether the table knows of that error at all */
+  bool told[ACCURACY_ERRORS];    /* whether the table knows all of that error */
+  bool untimed;                  /* a stage's time is not known */
   double least[ACCURACY_ERRORS]; /* that any choice leaves */
 
   enum goal goal;
@@ -34,8 +35,10 @@ struct search {
   double best_value, best_time_ms;
 };
 
-/* Fits are measured on the points of so many meridians; more of them take longer, in proportion. */
+/* Fits are measured on the points of so many meridians, and maps of a surface with such knots; more
+ * of them take longer, in proportion. */
 #define FIT_MERIDIANS 360
+#define REST_KNOT_MM 0.5
 
 static double points_share(const struct candidate *mires) {
   struct knob meridians;
@@ -44,9 +47,16 @@ static double points_share(const struct candidate *mires) {
              : 1.0;
 }
 
+static double knots_share(const struct candidate *fit) {
+  struct knob knot;
+  return fit && knob_find(&knot, fit->setting, "knot_mm")
+             ? fmax(REST_KNOT_MM / knob_number(knot.value), 1)
+             : 1.0;
+}
+
 static double stage_ms(const struct search *s, const struct candidate *const *at, int stage) {
   if (stage == ACCURACY_REST) {
-    return s->parts_ms;
+    return s->parts_ms * knots_share(at[ACCURACY_FIT]);
   }
   const double ms = at[stage] ? at[stage]->ms * s->wish->runs[stage] * s->wish->speed : 0.0;
   return stage == ACCURACY_FIT ? ms * points_share(at[ACCURACY_MIRES]) : ms;
@@ -249,7 +259,7 @@ static void hand_out(struct accuracy_choice *choice, const struct search *s) {
   for (int k = 0; k < ACCURACY_ERRORS; k++) {
     choice->error[k] = s->told[k] ? error_of(s, s->best, k, NULL) : (double)NAN;
   }
-  choice->time_ms = time_of(s, s->best);
+  choice->time_ms = s->untimed ? (double)NAN : time_of(s, s->best);
 }
 
 /* An error is told of where the floor is: without it stages know only how far they are apart. */
@@ -260,6 +270,35 @@ static void note_told(struct search *s, const struct accuracy_table *table) {
                                   isfinite(table->rows[i].error[k]));
     }
   }
+}
+
+/* What a stage would have to tell, and does not. */
+static void note_untold(struct search *s, const struct accuracy_table *table, int stage) {
+  s->untimed = s->untimed || s->wish->runs[stage] > 0;
+  for (size_t i = 0; i < table->count; i++) {
+    for (int k = 0; k < ACCURACY_ERRORS; k++) {
+      s->told[k] = s->told[k] && !(table->rows[i].stage == (enum accuracy_stage)stage &&
+                                   isfinite(table->rows[i].error[k]));
+    }
+  }
+}
+
+static int gather(struct search *s, const struct accuracy_table *table, placido_error *err) {
+  int status = table_eyes_list(&s->eyes, table, err);
+  for (int stage = 0; stage < ACCURACY_STAGES && status == PLACIDO_OK; stage++) {
+    placido_error reason = {0};
+    if (s->wish->counts[stage]) {
+      status = candidates_new(&s->stages[stage], table, &s->eyes, (enum accuracy_stage)stage,
+                              s->wish->fixed, &reason);
+    }
+    if (status == PLACIDO_QUALITY && !s->wish->needed[stage]) {
+      note_untold(s, table, stage);
+      status = PLACIDO_OK;
+    } else if (status != PLACIDO_OK) {
+      placido_error_set(err, status, "%s", reason.text);
+    }
+  }
+  return status;
 }
 
 double accuracy_setting_ms(const struct accuracy_table *table, enum accuracy_stage stage,
@@ -297,13 +336,7 @@ int accuracy_choose(struct accuracy_choice *choice, const struct accuracy_table 
   s->wish = wish;
   s->parts_ms = parts_ms(table, wish);
   note_told(s, table);
-  int status = table_eyes_list(&s->eyes, table, err);
-  for (int stage = 0; stage < ACCURACY_STAGES && status == PLACIDO_OK; stage++) {
-    if (wish->counts[stage]) {
-      status = candidates_new(&s->stages[stage], table, &s->eyes, (enum accuracy_stage)stage,
-                              wish->fixed, err);
-    }
-  }
+  int status = gather(s, table, err);
   if (status == PLACIDO_OK) {
     status = find_best(s, err);
   }

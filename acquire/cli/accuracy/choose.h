@@ -11,7 +11,8 @@ struct accuracy_wish {
   double error[ACCURACY_ERRORS]; /* largest that may remain; INFINITY: any */
   double time_ms;                /* INFINITY: any */
   double extra_ms;               /* of the time, on this machine: what the table does not know */
-  bool counts[ACCURACY_STAGES];  /* whether a stage's errors count */
+  bool counts[ACCURACY_STAGES];  /* whether a stage runs */
+  bool needed[ACCURACY_STAGES];  /* whether nothing can be promised without knowing of it */
   double runs[ACCURACY_STAGES];  /* how often its time does: a trace's once a pupil */
   const char *parts;             /* likewise of the parts of the rest: "maps=1 focus=3" */
   const char *fixed;             /* "knob=value" pairs that are not to be chosen */
@@ -21,7 +22,7 @@ struct accuracy_wish {
 struct accuracy_choice {
   char setting[ACCURACY_STAGES][96]; /* every knob named; empty where a stage does not count */
   double error[ACCURACY_ERRORS];     /* promised; NaN where the table does not tell */
-  double time_ms;                    /* promised, on this machine */
+  double time_ms;                    /* promised, on this machine; NaN likewise */
   double stage_ms[ACCURACY_STAGES];  /* of which, all its runs together */
 };
 
@@ -32,7 +33,8 @@ struct accuracy_choice {
  *
  * With an error's limit: of the choices within all limits the cheapest. With none, the one that
  * remains nearest to the least errors within the time; a hundredth of them is worth no time. A fixed knob that the table does not have
- * takes the worse of the neighbours on either side of it.
+ * takes the worse of the neighbours on either side of it. A stage that is not needed and that the table
+ * does not tell of leaves the errors that it makes, and the time, unknown.
  * Returns PLACIDO_OK; PLACIDO_QUALITY: nothing reaches it (the sentence says what can be reached, and
  * what limits it), or the table does not tell; PLACIDO_MEMORY. */
 int accuracy_choose(struct accuracy_choice *choice, const struct accuracy_table *table,

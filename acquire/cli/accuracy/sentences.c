@@ -8,6 +8,7 @@
 #include <string.h>
 
 #define POINTS_MAX 96
+#define LITTLE 0.1 /* of what is left anyway: to lower it buys nothing */
 #define WORDS 128
 
 static const struct {
@@ -32,7 +33,7 @@ enum accuracy_error accuracy_stage_error(enum accuracy_stage stage) {
 void accuracy_error_say(char *text, size_t size, enum accuracy_error error, double value) {
   static const char *const units[ACCURACY_ERRORS] = {
       [ACCURACY_ELEVATION_UM] = " µm", [ACCURACY_AXIAL_D] = " D",
-      [ACCURACY_PSF_OTF] = " of the transfer function", [ACCURACY_IMAGE] = " of white",
+      [ACCURACY_PSF_OTF] = "",         [ACCURACY_IMAGE] = " of white",
       [ACCURACY_LOGMAR] = " logMAR"};
   snprintf(text, size, "%.2g%s", value, units[error]);
 }
@@ -147,6 +148,10 @@ static void append_rung(char *text, enum accuracy_error error, double value,
  * costs 25 ms (...)"; last the least error that there is. */
 static void say_ladder(struct accuracy_sentences *sentences, const struct accuracy_table *table,
                        enum accuracy_stage stage, enum accuracy_error error) {
+  static const char *const kinds[ACCURACY_ERRORS] = {
+      [ACCURACY_ELEVATION_UM] = "elevation", [ACCURACY_AXIAL_D] = "axial power",
+      [ACCURACY_PSF_OTF] = "the transfer function", [ACCURACY_IMAGE] = "the seen chart",
+      [ACCURACY_LOGMAR] = "acuity"};
   struct accuracy_point points[POINTS_MAX];
   const size_t count = accuracy_points_find(points, POINTS_MAX, table, stage, error);
   char *text = count > 0 ? new_sentence(sentences, stage) : NULL;
@@ -157,8 +162,8 @@ static void say_ladder(struct accuracy_sentences *sentences, const struct accura
   const struct accuracy_point *finest = cheapest_within(points, count, least);
   const struct accuracy_point *last = NULL;
   double level = 1;
-  append(text, ACCURACY_SENTENCE_SIZE, "%s, the hardest of %zu eyes counting: ",
-         judged[stage].subject, count_eyes(table, stage));
+  append(text, ACCURACY_SENTENCE_SIZE, "%s, error of %s in the hardest of %zu eyes: ",
+         judged[stage].subject, kinds[error], count_eyes(table, stage));
   for (int power = 1; power >= -9 && (level = pow(10, power)) >= least && least > 0; power--) {
     const struct accuracy_point *next = cheapest_within(points, count, level / 10);
     const struct accuracy_point *point = cheapest_within(points, count, level);
@@ -182,49 +187,55 @@ static double floor_of(const struct accuracy_table *table, enum accuracy_error e
   return most;
 }
 
-static double dearest_ms(const struct accuracy_point *points, size_t count) {
-  double most = 0;
-  for (size_t i = 0; i < count; i++) {
-    most = fmax(most, points[i].ms);
+/* What more than `enough` costs and buys. */
+static void append_more(char *text, enum accuracy_error error, const struct accuracy_point *enough,
+                        const struct accuracy_point *finest, double limit) {
+  char before[WORDS], after[WORDS];
+  if (finest->ms <= enough->ms) {
+    append(text, ACCURACY_SENTENCE_SIZE, ".");
+    return;
   }
-  return most;
+  accuracy_error_say(before, sizeof before, error, limit + enough->error);
+  accuracy_error_say(after, sizeof after, error, limit + finest->error);
+  append(text, ACCURACY_SENTENCE_SIZE, "; %.2g times the time", finest->ms / enough->ms);
+  append_setting(text, ACCURACY_SENTENCE_SIZE, finest->setting);
+  append(text, ACCURACY_SENTENCE_SIZE,
+         strcmp(before, after) == 0 ? " buys nothing: %s is left in all."
+                                    : " buys next to nothing: %s are left in all, then %s.",
+         before, after);
 }
 
 /* From where on more time buys nothing, as measuring itself leaves more than the stage does. */
 static void say_limit(struct accuracy_sentences *sentences, const struct accuracy_table *table,
                       enum accuracy_stage stage, enum accuracy_error error) {
   struct accuracy_point points[POINTS_MAX];
-  char left[WORDS], floor_text[WORDS], ms[32], words[WORDS];
+  char left[WORDS], anyway[WORDS], ms[32];
   const size_t count = accuracy_points_find(points, POINTS_MAX, table, stage, error);
   const double limit = floor_of(table, error);
   char *text = count > 0 && limit > 0 ? new_sentence(sentences, stage) : NULL;
   if (!text) {
     return;
   }
-  const struct accuracy_point *enough = cheapest_within(points, count, limit / 10);
-  const double least = least_error(points, count);
-  const struct accuracy_point *point =
-      enough ? enough : cheapest_within(points, count, fmax(least, limit));
-  accuracy_error_say(floor_text, sizeof floor_text, error, limit);
+  const struct accuracy_point *finest = cheapest_within(points, count, least_error(points, count));
+  const struct accuracy_point *enough = cheapest_within(points, count, LITTLE * limit);
+  const struct accuracy_point *point = enough ? enough : finest;
+  accuracy_error_say(anyway, sizeof anyway, error, limit);
   accuracy_error_say(left, sizeof left, error, point->error);
-  accuracy_setting_say(words, sizeof words, point->setting);
   say_ms(ms, point->ms);
-  append(text, ACCURACY_SENTENCE_SIZE, "%s leaves %s with %s, for %s; ", judged[stage].subject,
-         left, words, ms);
+  append(text, ACCURACY_SENTENCE_SIZE, "%s leaves %s for %s", judged[stage].subject, left, ms);
+  append_setting(text, ACCURACY_SENTENCE_SIZE, point->setting);
   if (point->error > limit) {
     append(text, ACCURACY_SENTENCE_SIZE,
-           "that is more than the %s that noise and camera leave with everything at its finest: "
-           "here is what limits you.", floor_text);
-    return;
+           ", at its best: more than the %s that noise and camera leave, so that it limits you.",
+           anyway);
+  } else if (!enough) {
+    append(text, ACCURACY_SENTENCE_SIZE,
+           ", at its best: noise and camera, which leave %s, limit you as well.", anyway);
+  } else {
+    append(text, ACCURACY_SENTENCE_SIZE,
+           ", while noise and camera leave %s whatever the knobs", anyway);
+    append_more(text, error, point, finest, limit);
   }
-  append(text, ACCURACY_SENTENCE_SIZE,
-         "noise and camera leave %s with everything at its finest. ", floor_text);
-  const double more = dearest_ms(points, count) / point->ms;
-  const double gain = 100 * (point->error - least) / (limit + point->error);
-  append(text, ACCURACY_SENTENCE_SIZE,
-         gain < 10 ? "%s times the time buys nothing: at most %.0f %% of what is left in all."
-                   : "%s times the time buys at most %.0f %% of what is left in all.",
-         more < 10 ? (more < 2 ? "More than that" : "Up to ten") : "Over ten", gain);
 }
 
 /* How much of an examination no knob changes. */

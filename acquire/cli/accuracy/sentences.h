@@ -44,7 +44,7 @@ size_t accuracy_points_find(struct accuracy_point *points, size_t most,
 /* "360 meridians, filter of 2 px" of "meridians=360 filter_px=2". */
 void accuracy_setting_say(char *text, size_t size, const char *setting);
 
-/* "0.012 µm", "0.034": an error with its unit. */
+/* "0.012 µm", "0.034" of the transfer function: an error with its unit. */
 void accuracy_error_say(char *text, size_t size, enum accuracy_error error, double value);
 
 #endif

@@ -4,9 +4,12 @@
 
 #include "reconstruct/solve/doubt/mask.h"
 
-/* The places of the samples that were set aside where more of the samples about were than were not,
- * into room for `count`, and how many these are. PLACIDO_OK or PLACIDO_MEMORY. */
+#define PLACIDO_CONTRADICT_REACH_MM 0.25 /* about such a place; what was set aside pulls at nothing */
+
+/* The places of the samples that were set aside for being off the surface where more of the samples
+ * about are so than are not, into room for `count`, and how many these are. `sigma_px` is the
+ * standard deviation of a point. PLACIDO_OK or PLACIDO_MEMORY. */
 int placido_contradict_find(placido_place *places, size_t *found, const placido_sample *samples,
-                            size_t count, placido_error *err);
+                            size_t count, double sigma_px, placido_error *err);
 
 #endif

@@ -9,7 +9,6 @@
 #define STEEP_D 140.0 /* keratometric; the steepest clinical cones have some 100 */
 #define HOLLOW_D 0.0
 #define HANDFUL 3
-#define REACH_MM 0.5 /* about a fold; knots carry its error so far */
 
 /* Principal curvatures of z(x, y), positive for a cornea's, in keratometric dioptres. */
 static void principal_D(const placido_hit *hit, double *least, double *most) {
@@ -41,10 +40,10 @@ size_t placido_fold_find(placido_place *places, const placido_sample *samples, s
 }
 
 double placido_fold_mask(placido_coverage *coverage, unsigned char *mask,
-                         const placido_place *places, size_t count) {
+                         const placido_place *places, size_t count, double reach_mm) {
   const placido_coverage *c = coverage;
   size_t covered = 0, lost = 0;
-  int reach = (int)ceil(REACH_MM / c->step_mm);
+  int reach = (int)ceil(reach_mm / c->step_mm);
   for (int i = 0; i < c->rows * c->columns; i++) {
     covered += mask[i] != 0;
   }

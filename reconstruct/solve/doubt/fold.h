@@ -10,10 +10,12 @@
 size_t placido_fold_find(placido_place *places, const placido_sample *samples, size_t count,
                          const placido_mires *mires);
 
+#define PLACIDO_FOLD_REACH_MM 0.5 /* about a fold; knots carry its error so far */
+
 /* Takes from a coverage's mask what lies within reach of the places. Returns the share of the
  * covered area that went. */
 double placido_fold_mask(placido_coverage *coverage, unsigned char *mask,
-                         const placido_place *places, size_t count);
+                         const placido_place *places, size_t count, double reach_mm);
 
 /* The area of the coverage's holes that are shut in all round. Lashes, nose and lid hide what is
  * connected with the outside; a fold leaves a hole in the middle. `area_mm2` receives it. Returns

@@ -6,10 +6,13 @@
 #include "reconstruct/solve/distance.h"
 
 #include <math.h>
+#include <string.h>
 
 #define BUDGET_STEP_MM 0.25
 #define LEVEL_MM 3.0 /* the zone whose mean height is 0 */
 #define LEVEL_STEP_MM 0.25
+#define LEVEL_FINE_MM 0.05 /* where little of the zone is covered: the pitch of the coverage */
+#define LEVEL_FEW 64       /* points, of the 113 that the zone has */
 
 /* Index of a cell's coefficients among all; returns how many they are. */
 static int coefficients_of(size_t index[PLACIDO_SPLINE_CELL], const placido_fit *fit, int column,
@@ -49,13 +52,13 @@ int placido_fit_covariance(placido_fit *fit, placido_error *err) {
   return status;
 }
 
-/* The mean height over a zone's covered points, as weights over the coefficients. Returns how many
- * points it has. */
-static int mean_height(double *level, const placido_fit *fit, double radius_mm) {
-  int half = (int)(radius_mm / LEVEL_STEP_MM), points = 0;
+/* The sum of the heights at a zone's covered points, as weights over the coefficients. Returns how
+ * many points it has. */
+static int sum_heights(double *level, const placido_fit *fit, double radius_mm, double step_mm) {
+  int half = (int)(radius_mm / step_mm), points = 0;
   for (int j = -half; j <= half; j++) {
     for (int i = -half; i <= half; i++) {
-      double x = i * LEVEL_STEP_MM, y = j * LEVEL_STEP_MM;
+      double x = i * step_mm, y = j * step_mm;
       placido_basis b;
       if (hypot(x, y) > radius_mm || !placido_surface_covered(fit->surface, x, y) ||
           !placido_grid_basis(&fit->grid, x, y, &b)) {
@@ -70,6 +73,22 @@ static int mean_height(double *level, const placido_fit *fit, double radius_mm) 
     }
   }
   return points;
+}
+
+/* The mean height of the zone, or of all that is covered where nothing of the zone is. */
+static void find_level(double *level, const placido_fit *fit) {
+  size_t n = (size_t)fit->grid.side * (size_t)fit->grid.side;
+  int points = sum_heights(level, fit, LEVEL_MM / 2, LEVEL_STEP_MM);
+  if (points < LEVEL_FEW) {
+    memset(level, 0, n * sizeof *level);
+    points = sum_heights(level, fit, LEVEL_MM / 2, LEVEL_FINE_MM);
+  }
+  if (!points) {
+    points = sum_heights(level, fit, placido_surface_radius_mm(fit->surface), LEVEL_FINE_MM);
+  }
+  for (size_t i = 0; i < n && points; i++) {
+    level[i] /= points;
+  }
 }
 
 /* The level times a vector over all coefficients. */
@@ -90,13 +109,7 @@ int placido_fit_level_find(placido_fit *fit, placido_error *err) {
   if (!fit->level || !fit->with_level || !fit->lift) {
     return PLACIDO_MEMORY;
   }
-  int points = mean_height(fit->level, fit, LEVEL_MM / 2);
-  if (!points) {
-    points = mean_height(fit->level, fit, placido_surface_radius_mm(fit->surface));
-  }
-  for (size_t i = 0; i < n && points; i++) {
-    fit->level[i] /= points;
-  }
+  find_level(fit->level, fit);
   int status = placido_fit_noise_times(fit->with_level, fit, fit->level, 1, err);
   fit->lift[0] = level_along(fit, fit->by_distance);
   for (int m = 0; m < fit->mode_count; m++) {

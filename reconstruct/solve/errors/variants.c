@@ -113,3 +113,16 @@ int placido_fit_draw(placido_surface **surface, const placido_fit *fit, int numb
                      placido_error *err) {
   return move(surface, fit, true, number, err);
 }
+
+int placido_fit_moved(placido_surface **surface, const placido_fit *fit, double distance_mm,
+                      placido_error *err) {
+  *surface = NULL;
+  double *change = placido_memory_new(unknowns(fit), sizeof *change, err);
+  if (!change) {
+    return PLACIDO_MEMORY;
+  }
+  add(change, fit, fit->by_distance, -distance_mm); /* of the sag */
+  int status = placido_surface_bend(surface, fit->surface, change, err);
+  placido_memory_free(change);
+  return status;
+}

@@ -1,0 +1,343 @@
+/* Linear propagation against Monte Carlo: what a fit claims of its covariance, source by source, is how
+ * some 200 fits scatter whose noise, distance or instrument was drawn anew. */
+#include "base/random.h"
+#include "tests/stability/drawn_eye.h"
+#include "tests/stability/table.h"
+#include "tests/support/near.h"
+#include "tests/support/truth.h"
+
+#include <placido/index.h>
+#include <placido/phantom.h>
+#include <placido/wavefront.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifdef __SANITIZE_ADDRESS__
+#define DRAWS 24
+#else
+#define DRAWS 200
+#endif
+#define CLAIMANTS 4       /* fits that are asked for their variants */
+#define NOISE_PX 0.02
+#define MERIDIANS 180     /* that tell the noise of neighbours apart */
+#define FEW_MERIDIANS 40
+/* Small, so that even a Strehl ratio follows in proportion. */
+#define DISTANCE_MM 0.01
+#define WORKSHOP 0.1
+#define PUPIL_MM 5.0
+#define SEED 20
+
+/* Beyond so many standard normal deviations on either side a variance is not that claimed: 1 of 16,000
+ * right ones, and there are some 160. */
+#define SCORE_MOST 4.0
+
+#define PLACES 5
+static const double places_mm[PLACES][2] = {
+    {0.6, 0.3}, {-1.2, 0.8}, {1.1, -1.6}, {-2.2, -1.2}, {0.4, 2.9}};
+
+enum figure {
+  HEIGHT = 0,
+  AXIAL = PLACES,
+  K1 = 2 * PLACES,
+  K2,
+  ASTIGMATISM, /* Zernike terms */
+  COMA,
+  SPHERICAL,
+  STREHL,
+  FIGURES
+};
+
+static const char *const names[FIGURES - K1] = {"K1", "K2",          "Z(2, 2)",
+                                                "Z(3, -1)", "Z(4, 0)", "Strehl"};
+static const int terms[3] = {5, 7, 12}; /* OSA indices */
+
+/* What one source is about. */
+struct bench {
+  placido_surface *eye;
+  placido_instrument instrument;
+  placido_uncertainty geometry;
+  double axis_z_mm;
+  bool gap;
+  placido_wavefront front; /* that terms are told by */
+};
+
+/* Every other edge: enough, and soon fitted. A quarter of the pixels, so that meridians lie as close
+ * together as pictures' do, where a fit sees whether neighbours err alike. */
+static placido_instrument cone(void) {
+  placido_instrument in;
+  assert_int_equal(placido_phantom_instrument(&in, "cone24", NULL), PLACIDO_OK);
+  in.width_px /= 4;
+  in.height_px /= 4;
+  for (int i = 0; i < 2; i++) {
+    in.focal_px[i] /= 4;
+    in.principal_px[i] = (in.principal_px[i] + 0.5) / 4 - 0.5;
+  }
+  in.edge_count /= 2;
+  for (int k = 0; k < in.edge_count; k++) {
+    in.edges[k] = in.edges[2 * k];
+  }
+  return in;
+}
+
+static bool in_the_gap(int edge, double deg) {
+  return edge > 12 && deg > 180 && deg < 250;
+}
+
+static struct bench bench_of(const char *eye, bool gap) {
+  struct bench bench = {.instrument = cone(), .gap = gap};
+  placido_jet jet;
+  const placido_eye pupil = {.pupil_mm = PUPIL_MM};
+  assert_int_equal(placido_phantom_eye(&bench.eye, eye, NULL), PLACIDO_OK);
+  assert_true(placido_surface_at(bench.eye, 0, 0, &jet));
+  bench.axis_z_mm = placido_surface_vertex_z_mm(bench.eye) - jet.sag;
+  bench.geometry = drawn_workshop(&bench.instrument, WORKSHOP);
+  assert_int_equal(placido_wavefront_new(&bench.front, bench.eye, &pupil, NULL, NULL, NULL),
+                   PLACIDO_OK);
+  return bench;
+}
+
+static void bench_free(struct bench *bench) {
+  placido_wavefront_free(&bench->front);
+  placido_uncertainty_free(&bench->geometry);
+  placido_surface_free(bench->eye);
+}
+
+static double height_um(const placido_surface *surface, double x, double y) {
+  placido_jet jet;
+  assert_true(placido_surface_at(surface, x, y, &jet));
+  return 1e3 * (placido_surface_vertex_z_mm(surface) - jet.sag);
+}
+
+/* The mean height of the central 3 mm, from which heights count. */
+static double level_um(const placido_surface *surface) {
+  double sum = 0;
+  int n = 0;
+  for (int j = -6; j <= 6; j++) {
+    for (int i = -6; i <= 6; i++) {
+      if (hypot(i, j) <= 6) {
+        sum += height_um(surface, i / 4.0, j / 4.0);
+        n++;
+      }
+    }
+  }
+  return sum / n;
+}
+
+static double axial_D(const placido_surface *surface, double x, double y) {
+  placido_jet jet;
+  assert_true(placido_surface_at(surface, x, y, &jet));
+  double r = hypot(x, y), s = (jet.sx * x + jet.sy * y) / r;
+  return 337.5 * s / (r * sqrt(1 + s * s));
+}
+
+static double index_of(const placido_index_value *values, size_t count, const char *name) {
+  for (size_t i = 0; i < count; i++) {
+    if (strcmp(values[i].name, name) == 0) {
+      return values[i].value;
+    }
+  }
+  return NAN;
+}
+
+static double strehl_of(const placido_wavefront *front, const double *terms_um) {
+  size_t count;
+  const placido_wavefront_figure *figures = placido_wavefront_figures(&count);
+  for (size_t i = 0; i < count; i++) {
+    if (strcmp(figures[i].name, "strehl_555nm") == 0) {
+      return figures[i].at(front, terms_um);
+    }
+  }
+  return NAN;
+}
+
+static void figures_of(double values[FIGURES], const struct bench *bench,
+                       const placido_surface *surface) {
+  placido_index_value indices[PLACIDO_INDICES_MAX];
+  double terms_um[PLACIDO_WAVEFRONT_TERMS], level = level_um(surface);
+  size_t count;
+  for (int i = 0; i < PLACES; i++) {
+    values[HEIGHT + i] = height_um(surface, places_mm[i][0], places_mm[i][1]) - level;
+    values[AXIAL + i] = axial_D(surface, places_mm[i][0], places_mm[i][1]);
+  }
+  assert_int_equal(placido_indices_find(indices, &count, surface, NULL, NULL), PLACIDO_OK);
+  values[K1] = index_of(indices, count, "simk_flat_D");
+  values[K2] = index_of(indices, count, "simk_steep_D");
+  assert_int_equal(placido_wavefront_again(terms_um, &bench->front, surface, NULL), PLACIDO_OK);
+  for (int i = 0; i < 3; i++) {
+    values[ASTIGMATISM + i] = terms_um[terms[i]];
+  }
+  values[STREHL] = strehl_of(&bench->front, terms_um);
+}
+
+/* The claimed variances: what the source's variants change; of heights and axial powers by noise,
+ * which stands as draws among the variants, what the fit tells. */
+static void add_claims(double variances[FIGURES], const struct bench *bench, const placido_fit *fit,
+                       enum placido_sigma_source source, double share) {
+  double middle[FIGURES], moved[FIGURES];
+  const bool by_noise = source == PLACIDO_SIGMA_NOISE;
+  figures_of(middle, bench, placido_fit_surface(fit));
+  for (int i = 0; i < PLACES && by_noise; i++) {
+    double sigma_um, sigma_D;
+    placido_fit_sigma_at(fit, places_mm[i][0], places_mm[i][1], &sigma_um, &sigma_D);
+    variances[HEIGHT + i] += share * sigma_um * sigma_um;
+    variances[AXIAL + i] += share * sigma_D * sigma_D;
+  }
+  for (int v = 0; v < placido_fit_variant_count(fit); v++) {
+    placido_surface *variant;
+    if (placido_fit_variant_source(fit, v) != source) {
+      continue;
+    }
+    assert_int_equal(placido_fit_variant(&variant, fit, v, NULL), PLACIDO_OK);
+    figures_of(moved, bench, variant);
+    for (int f = by_noise ? K1 : 0; f < FIGURES; f++) {
+      variances[f] += share * pow(moved[f] - middle[f], 2);
+    }
+    placido_surface_free(variant);
+  }
+}
+
+/* How a ratio of two variances, of n and m degrees of freedom, lies among right ones: as a standard
+ * normal number (Paulson, Ann. Math. Stat. 13 (1942) 233). */
+static double score_of(double ratio, double n, double m) {
+  double a = 2 / (9 * n), b = 2 / (9 * m), root = cbrt(ratio);
+  return ((1 - b) * root - (1 - a)) / sqrt(b * root * root + a);
+}
+
+/* Running mean and sum of squared differences from it (Welford 1962). */
+struct scatter {
+  double mean[FIGURES], squares[FIGURES];
+};
+
+static void add_values(struct scatter *scatter, const double values[FIGURES], int draw) {
+  for (int f = 0; f < FIGURES; f++) {
+    double off = values[f] - scatter->mean[f];
+    scatter->mean[f] += off / (draw + 1);
+    scatter->squares[f] += off * (values[f] - scatter->mean[f]);
+  }
+}
+
+static placido_mires points_of(const struct bench *bench, enum placido_sigma_source source,
+                               int draw) {
+  placido_instrument real = bench->instrument;
+  for (int m = 0; source == PLACIDO_SIGMA_GEOMETRY && m < bench->geometry.mode_count; m++) {
+    placido_uncertainty_apply(&real, &real, &bench->geometry, m,
+                              placido_random_normal(SEED, (uint64_t)draw, (uint64_t)m));
+  }
+  return truth_points(bench->eye, &real,
+                      source == PLACIDO_SIGMA_NOISE ? MERIDIANS : FEW_MERIDIANS, 0,
+                      bench->gap ? in_the_gap : NULL);
+}
+
+static placido_fit *fit_of(const struct bench *bench, enum placido_sigma_source source,
+                           const placido_mires *exact, int draw) {
+  placido_fit_options options = {.axis_z_mm = bench->axis_z_mm};
+  placido_mires mires = *exact;
+  placido_fit *fit;
+  placido_error err = {0};
+  mires.points = malloc(mires.count * sizeof *mires.points);
+  assert_non_null(mires.points);
+  memcpy(mires.points, exact->points, mires.count * sizeof *mires.points);
+  if (source == PLACIDO_SIGMA_NOISE) {
+    drawn_noise(&mires, SEED, 1000 + (uint64_t)draw, NOISE_PX);
+  }
+  if (source == PLACIDO_SIGMA_DISTANCE) {
+    options.axis_z_sigma_mm = DISTANCE_MM;
+    options.axis_z_mm += DISTANCE_MM * placido_random_normal(SEED, 5000, (uint64_t)draw);
+  }
+  options.geometry = source == PLACIDO_SIGMA_GEOMETRY ? &bench->geometry : NULL;
+  if (placido_fit_new(&fit, &mires, &bench->instrument, &options, NULL, &err)) {
+    fail_msg("%s", err.text);
+  }
+  placido_mires_free(&mires);
+  return fit;
+}
+
+/* The claims of variants by noise are of 32 draws themselves; all others are sums without a scatter
+ * worth telling (a million degrees of freedom). */
+static double freedom_of(enum placido_sigma_source source, int figure) {
+  return source == PLACIDO_SIGMA_NOISE && figure >= K1 ? PLACIDO_NOISE_VARIANTS : 1e6;
+}
+
+static void tell(const char *eye, enum placido_sigma_source source, int figure, double claimed,
+                 double shown) {
+  static const char *const sources[] = {"noise", "distance", "geometry"};
+  static const double put_in[] = {NOISE_PX, DISTANCE_MM, WORKSHOP};
+  static const char *const put_unit[] = {"px", "mm", "workshop"};
+  char name[64], what[24];
+  if (figure < K1) {
+    snprintf(what, sizeof what, "%s %d", figure < AXIAL ? "height" : "axial", figure % PLACES);
+  } else {
+    snprintf(what, sizeof what, "%s", names[figure - K1]);
+  }
+  snprintf(name, sizeof name, "%s, %s: %s, %.2f", eye, sources[source], what,
+           sqrt(shown / claimed));
+  stability_add(&(struct stability_row){
+      .name = name,
+      .condition = NAN,
+      .perturbation = put_in[source],
+      .in_unit = put_unit[source],
+      .change = fabs(score_of(shown / claimed, DRAWS - 1, freedom_of(source, figure))),
+      .bound = SCORE_MOST,
+      .out_unit = "sigma",
+      .extended = NAN});
+}
+
+static void check(const char *name, const struct bench *bench, enum placido_sigma_source source) {
+  struct scatter scatter = {{0}, {0}};
+  double claimed[FIGURES] = {0}, values[FIGURES];
+  placido_mires exact = points_of(bench, source, 0);
+  for (int d = 0; d < DRAWS; d++) {
+    if (source == PLACIDO_SIGMA_GEOMETRY && d > 0) {
+      placido_mires_free(&exact);
+      exact = points_of(bench, source, d);
+    }
+    placido_fit *fit = fit_of(bench, source, &exact, d);
+    figures_of(values, bench, placido_fit_surface(fit));
+    add_values(&scatter, values, d);
+    if (d < CLAIMANTS) {
+      add_claims(claimed, bench, fit, source, 1.0 / CLAIMANTS);
+    }
+    placido_fit_free(fit);
+  }
+  for (int f = 0; f < FIGURES; f++) {
+    tell(name, source, f, claimed[f], scatter.squares[f] / (DRAWS - 1));
+  }
+  placido_mires_free(&exact);
+}
+
+static void check_eye(const char *name, const char *eye, bool gap) {
+  struct bench bench = bench_of(eye, gap);
+  for (int source = 0; source < PLACIDO_SIGMA_SOURCES; source++) {
+    check(name, &bench, (enum placido_sigma_source)source);
+  }
+  bench_free(&bench);
+}
+
+static void a_normal_eye_scatters_as_claimed(void **state) {
+  (void)state;
+  check_eye("normal", "normal", false);
+}
+
+static void a_keratoconus_scatters_as_claimed(void **state) {
+  (void)state;
+  check_eye("keratoconus", "keratoconus", false);
+}
+
+static void an_eye_with_a_gap_scatters_as_claimed(void **state) {
+  (void)state;
+  check_eye("gap", "normal", true);
+}
+
+static void all_within(void **state) {
+  (void)state;
+  assert_int_equal(stability_print("linear propagation against Monte Carlo: scatter over claim"), 0);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(a_normal_eye_scatters_as_claimed),
+                                     cmocka_unit_test(a_keratoconus_scatters_as_claimed),
+                                     cmocka_unit_test(an_eye_with_a_gap_scatters_as_claimed),
+                                     cmocka_unit_test(all_within)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
