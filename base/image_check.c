@@ -143,7 +143,8 @@ static uint64_t tiff_number(const tiff *t, size_t at, size_t width) {
   return number;
 }
 
-/* False where the directory is not wholly within the file. The offset of the next one belongs to it. */
+/* False where the directory is not wholly within the file. The offset of the next one is part of
+ * it. */
 static bool tiff_open(tiff *t, const unsigned char *bytes, size_t size) {
   *t = (tiff){.bytes = bytes, .size = size, .little = bytes[0] == 'I'};
   t->big = bytes[t->little ? 2 : 3] == 43;

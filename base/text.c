@@ -1,6 +1,7 @@
 /* Text that goes to a person as one line: no control characters, no half characters. */
 #include "base/text.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 /* A message has room for 512 bytes; the file's name may take less than half of them. */
@@ -17,18 +18,22 @@ static size_t utf8_bytes(unsigned char lead) {
   return lead >= 0xc0 ? 2 : 1;
 }
 
-static void cut_half_character(char *text) {
+/* False where the last character is a whole one. */
+static bool cut_half_character(char *text) {
   size_t length = strlen(text), start = length;
   while (start > 0 && ((unsigned char)text[start - 1] & 0xc0) == 0x80) {
     start--;
   }
-  if (start > 0 && utf8_bytes((unsigned char)text[start - 1]) > length - start + 1) {
+  const bool half = start > 0 && utf8_bytes((unsigned char)text[start - 1]) > length - start + 1;
+  if (half) {
     text[start - 1] = '\0';
   }
+  return half;
 }
 
 void placido_text_line(char *text) {
-  cut_half_character(text);
+  while (cut_half_character(text)) { /* of bytes that are no UTF-8 there may be several */
+  }
   for (char *c = text; *c; c++) {
     unsigned char byte = (unsigned char)*c;
     if (byte < 0x20 || byte == 0x7f) {

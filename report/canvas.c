@@ -28,12 +28,16 @@ int placido_canvas_new(placido_canvas *canvas, int width_px, int height_px, plac
     placido_canvas_free(canvas);
     return status;
   }
+  placido_canvas_clear(canvas);
+  return PLACIDO_OK;
+}
+
+void placido_canvas_clear(const placido_canvas *canvas) {
   cairo_set_source_rgb(canvas->cr, 1, 1, 1);
   cairo_paint(canvas->cr);
   cairo_set_source_rgb(canvas->cr, 0, 0, 0);
   cairo_select_font_face(canvas->cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
                          CAIRO_FONT_WEIGHT_NORMAL);
-  return PLACIDO_OK;
 }
 
 void placido_canvas_free(placido_canvas *canvas) {

@@ -25,6 +25,17 @@ typedef struct placido_canvas {
 int placido_canvas_new(placido_canvas *canvas, int width_px, int height_px, placido_error *err);
 void placido_canvas_free(placido_canvas *canvas);
 
+/* White ground, black ink and the figures' font. */
+void placido_canvas_clear(const placido_canvas *canvas);
+
+/* Draws the figure `context` on a canvas of its size. */
+typedef void placido_canvas_draw(const placido_canvas *canvas, const void *context);
+
+/* What `draw` draws as an SVG file, by way of a temporary name. PLACIDO_OK, PLACIDO_MEMORY,
+ * PLACIDO_SYSTEM (naming the path). */
+int placido_canvas_vector(int width, int height, placido_canvas_draw *draw, const void *context,
+                          const char *path, placido_error *err);
+
 /* Writes the canvas as PNG by way of a temporary name. PLACIDO_OK, PLACIDO_MEMORY,
  * PLACIDO_SYSTEM (naming the path). */
 int placido_canvas_save(const placido_canvas *canvas, const char *path, placido_error *err);

@@ -37,8 +37,8 @@ int placido_scene_check_light(const placido_scene *scene, placido_error *err) {
     for (size_t x = 0; x < width && bad > 0; x++) {
       if (!is_light(samples[x])) {
         return placido_error_set(err, PLACIDO_INPUT,
-                                 "scene %s: sample (%zu, %zu) of plane %zu is %g, expected a number "
-                                 "up to %g times white",
+                                 "scene %s: sample (%zu, %zu) of plane %zu is %g, expected a "
+                                 "number up to %g times white",
                                  scene->name, x, row % height, row / height, (double)samples[x],
                                  (double)brightest);
       }

@@ -50,7 +50,7 @@ static void tell(const placido_psf *psf, const placido_rays *rays, placido_notes
     }
   }
   if (psf->outside > outside_share_told) {
-    placido_notes_add(notes, "pupil %g mm: %.3g %% of the light falls outside the PSF's %.0f'",
+    placido_notes_add(notes, "pupil %g mm: %.3g %% of the light falls outside the PSF's %.4g'",
                       psf->pupil_mm, 100 * psf->outside, psf->n * psf->bucket_arcmin);
   }
   tell_cover(psf->pupil_mm, rays, notes);

@@ -131,7 +131,8 @@ static const placido_wavefront_figure figures[] = {
     {"spherical_um", "um", "Spherical aberration: the term (4, 0), positive where the rim has more "
      "power.", 0, spherical},
     {"coma_um", "um", "Coma: root mean square of the terms (3, -1) and (3, 1).", 0, coma},
-    {"coma_axis_deg", "deg", "Direction of coma: where the wavefront is ahead; none without coma.", 360, coma_axis},
+    {"coma_axis_deg", "deg", "Direction of coma: where the wavefront is ahead; none without coma.",
+     360, coma_axis},
     {"trefoil_um", "um", "Trefoil: root mean square of the terms (3, -3) and (3, 3).", 0, trefoil},
     {"power_D", "D", "Power for this pupil: index over the depth of the best focus, "
      "1000 n / mm.", 0, power},

@@ -1,5 +1,6 @@
 /* `placido bench accuracy`: what accuracy costs in time on this machine, measured, told, and kept
  * for `placido exam` to choose by. */
+#include "acquire/cli/accuracy/page.h"
 #include "acquire/cli/accuracy/sentences.h"
 #include "acquire/cli/accuracy/sweep.h"
 #include "acquire/cli/bench.h"
@@ -45,12 +46,25 @@ static int keep(const struct accuracy_table *table, struct bench_run *bench, pla
              : status;
 }
 
-/* Everything that stands in DIR. */
+/* Everything that stands in DIR; a build without figures says that it has none. */
 static int write_folder(const struct accuracy_table *table, const char *folder,
-                        placido_error *err) {
+                        struct bench_run *bench, placido_error *err) {
   char path[PLACIDO_PATH_MAX];
-  const int status = placido_path_join(path, folder, "accuracy.csv", err);
-  return status == PLACIDO_OK ? accuracy_table_save(table, path, err) : status;
+  placido_error reason = {0};
+  int status = placido_path_join(path, folder, "accuracy.csv", err);
+  if (status == PLACIDO_OK) {
+    status = accuracy_table_save(table, path, err);
+  }
+  if (status != PLACIDO_OK) {
+    return status;
+  }
+  status = accuracy_page_write(table, folder, &reason);
+  if (status == PLACIDO_UNSUPPORTED) {
+    return bench_report_say(&bench->report, err, "%s", reason.text);
+  }
+  return status == PLACIDO_OK ? bench_report_say(&bench->report, err, "the page is %s/accuracy.html",
+                                                 folder)
+                              : placido_error_set(err, status, "%s", reason.text);
 }
 
 /* Before minutes of work: whether that can be written. */
@@ -63,16 +77,6 @@ static int check_folder(const char *folder, placido_error *err) {
   }
   placido_file_discard(&file);
   return status;
-}
-
-static double floor_of(const struct accuracy_table *table, enum accuracy_error error) {
-  double most = NAN;
-  for (size_t i = 0; i < table->count; i++) {
-    if (table->rows[i].stage == ACCURACY_FLOOR) {
-      most = fmax(most, table->rows[i].error[error]);
-    }
-  }
-  return most;
 }
 
 /* The least error of a stage, against what is left whatever its knobs, and its time. */
@@ -95,7 +99,7 @@ static int tell_stage(struct bench_run *bench, const struct accuracy_table *tabl
   if (count == 0) {
     return PLACIDO_OK;
   }
-  const double floor = floor_of(table, error);
+  const double floor = accuracy_floor_find(table, error);
   snprintf(what, sizeof what, "%s: least error", accuracy_stage_names[stage]);
   int status = bench_report_number(&bench->report, what, least->error,
                                    units[error] ? units[error] : "", least->error / floor,
@@ -132,7 +136,7 @@ static int run(struct bench_run *bench, placido_error *err) {
     status = tell(bench, &table, err);
   }
   if (status == PLACIDO_OK && settings->output) {
-    status = write_folder(&table, settings->output, err);
+    status = write_folder(&table, settings->output, bench, err);
   }
   if (status == PLACIDO_OK && !settings->quick) {
     status = keep(&table, bench, err);

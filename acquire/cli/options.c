@@ -243,7 +243,7 @@ int options_parse(void *settings, const char **word, struct text_list *more,
   fill_tables(&tables, groups);
   *word = NULL;
   opterr = 0;
-  optind = 1;
+  optind = 0; /* not 1: an earlier call may have ended within a word */
   int code;
   while ((code = getopt_long(argc, argv, tables.letters, tables.longs, NULL)) != -1) {
     const struct option_row *row = find_row(&tables, code);

@@ -118,11 +118,11 @@ static struct accuracy_wish wish_of(const struct promise *promise, const struct 
   wish.error[ACCURACY_PSF_OTF] = asked->max_error_psf > 0 ? asked->max_error_psf : INFINITY;
   wish.counts[ACCURACY_MIRES] = wish.counts[ACCURACY_FIT] = wish.counts[ACCURACY_FLOOR] =
       work->measures;
-  wish.counts[ACCURACY_TRACE] = wish.counts[ACCURACY_PSF] = work->sees;
+  wish.counts[ACCURACY_TRACE] = work->sees;
   wish.counts[ACCURACY_ACUITY] = work->tests > 0;
-  const bool timed = asked->max_time_ms > 0, spread = timed || asked->max_error_psf > 0;
+  const bool timed = asked->max_time_ms > 0;
   wish.needed[ACCURACY_MIRES] = wish.needed[ACCURACY_FIT] = wish.needed[ACCURACY_FLOOR] = true;
-  wish.needed[ACCURACY_TRACE] = wish.needed[ACCURACY_PSF] = spread;
+  wish.needed[ACCURACY_TRACE] = timed || asked->max_error_psf > 0;
   wish.needed[ACCURACY_ACUITY] = timed;
   wish.runs[ACCURACY_MIRES] = wish.runs[ACCURACY_FIT] = work->measures;
   wish.runs[ACCURACY_TRACE] = pupils;
@@ -272,6 +272,12 @@ int step_outcome(struct examination *examination, placido_error *err) {
   if (examination->fit) {
     find_sigma(promise, examination->fit);
     judge_error(promise, notes);
+  }
+  if (examination->mires.folded > 0) {
+    placido_notes_add(notes,
+                      "the mires show a fold on %.0f %% of the meridians: errors are promised for "
+                      "corneas without one",
+                      100 * examination->mires.folded);
   }
   if (asked_ms > 0 && promise->found_ms > asked_ms) {
     placido_notes_add(notes, "--max-time %g ms is not kept: it took %.0f ms of processor time%s",

@@ -22,7 +22,6 @@ static const struct {
     {ACCURACY_FIT, "degree", FIELD(degree), false},
     {ACCURACY_FIT, "tolerance", FIELD(fit_tolerance), true},
     {ACCURACY_TRACE, "samples", FIELD(samples), false},
-    {ACCURACY_PSF, "bucket_arcmin", FIELD(bucket_arcmin), true},
     {ACCURACY_ACUITY, "trials", FIELD(trials), false},
 };
 #define KNOBS (sizeof knobs / sizeof *knobs)
@@ -33,11 +32,11 @@ static const struct {
   double tolerance; /* of plans; 0: the scene's */
 } points[] = {
     [ACCURACY_FAST] = {"meridians=180 filter_px=1 knot_mm=0.75 degree=3 tolerance=0 samples=100 "
-                       "bucket_arcmin=0.5 trials=1024", 0.1},
+                       "trials=1024", 0.1},
     [ACCURACY_STANDARD] = {"meridians=360 filter_px=1 knot_mm=0.5 degree=5 tolerance=0 samples=400 "
-                           "bucket_arcmin=0.5 trials=4096", 0},
+                           "trials=4096", 0},
     [ACCURACY_REFERENCE] = {"meridians=720 filter_px=1 knot_mm=0.25 degree=5 tolerance=0 "
-                            "samples=1600 bucket_arcmin=0.5 trials=65536", 0.003},
+                            "samples=1600 trials=65536", 0.003},
 };
 
 struct choosable promise_choosable(const struct accuracy_settings *asked) {
@@ -60,12 +59,12 @@ static enum accuracy_name point_of(const struct settings *settings) {
   return named == ACCURACY_UNNAMED ? ACCURACY_STANDARD : named;
 }
 
-/* Rays stay a crosshatch whose light is spread, unless the command line says otherwise: counted
+/* Buckets are what a point spread function is given in, and no knob of its accuracy. Rays stay a crosshatch whose light is spread, unless the command line says otherwise: counted
  * ones leave speckle that no error tells of. */
 void promise_fix(char *fixed, size_t size, const struct settings *settings,
                  const struct choosable *choosable) {
   const char *point = points[point_of(settings)].setting;
-  size_t used = (size_t)snprintf(fixed, size, "pattern=%s light=%s wavelengths=31",
+  size_t used = (size_t)snprintf(fixed, size, "pattern=%s light=%s",
                                  ray_pattern_name(settings->rays.pattern),
                                  ray_light_name(settings->rays.light));
   for (size_t i = 0; i < KNOBS && used < size; i++) {

@@ -106,8 +106,8 @@ static double first_way_mm(const sight *s, double x_mm, double y_mm) {
 }
 
 /* The path difference of the ray whose direction to the focus has these sines: it enters where that
- * direction, followed back, meets the surface, found by Newton's method in the ray's way. What leads
- * beyond the surface goes half of the way back. NaN where there is no such entry. */
+ * direction, followed back, meets the surface, found by Newton's method in the ray's way. A step that
+ * leads beyond the surface is halved. NaN where there is no such entry. */
 static double trace(const sight *s, double across, double along, double *x_mm, double *y_mm) {
   double way_mm = first_way_mm(s, across * s->focus_mm[2], along * s->focus_mm[2]), inside_mm = 0;
   for (int step = 0; step < STEPS_MAX; step++) {

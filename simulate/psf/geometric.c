@@ -128,7 +128,7 @@ static int take(placido_psf *psf, counts *c, placido_error *err) {
   psf->rays_reflected = arrivals->reflected;
   psf->rays_missed = arrivals->missed + arrivals->grazed + arrivals->reflected;
   if (psf->rays_landed == 0) {
-    return placido_error_set(err, PLACIDO_QUALITY, "no light lands within the PSF's %.0f'",
+    return placido_error_set(err, PLACIDO_QUALITY, "no light lands within the PSF's %.4g'",
                              psf->n * psf->bucket_arcmin);
   }
   double entered = (double)psf->rays_entered, landed = (double)psf->rays_landed;

@@ -133,6 +133,7 @@ static void test_words(void **state) {
     const char *setting, *words;
   } cases[] = {
       {"knot_mm=0.5 degree=3 tolerance=0.1", "knots every 0.5 mm, degree 3, a tolerance of 0.1"},
+      {"knot_mm=0 degree=5 tolerance=0", "knots as residuals ask, degree 5"},
       {"samples=100 light=counted", "100 rays across, counted"},
       {"doubles=0 memory_MB=2", "single precision, tiles of 2 MB"},
       {"wavelengths=1", "one wavelength"},

@@ -46,6 +46,7 @@ check_pupil exam/pupil-2.5mm tumbling-e
 check_pupil exam/pupil-4mm tumbling-e
 # shellcheck disable=SC2086
 json exam/exam.json placido-exam/1 $exam_keys
+says '"strehl_g_sigma": [0-9]' exam/exam.json
 if [ "$FIGURES" = ON ]; then
   have exam/report.html exam/capture.png exam/mires.png
   says 'data:image/png;base64' exam/report.html
@@ -75,6 +76,7 @@ json cornea/reconstruction.json placido-reconstruction/1 capture.frame fit.rms_p
 succeed simulate cornea/surface.json --pupils 3 --scene tumbling-e -o seen
 check_pupil seen/pupil-3mm tumbling-e
 json seen/simulation.json placido-simulation/1 pupils seconds.total warnings
+says '"strehl_g_sigma": null' seen/simulation.json
 succeed simulate eye.surface.json --pupils 3 --retina 24 --correction -1,-0.5,30 -o seen
 json seen/pupil-3mm/psf.json placido-psf/1 correction.axis_deg
 succeed simulate eye.surface.json --pupils 3 --axial-length 25 --wear '-2 -0.5 30 @13' -o glasses

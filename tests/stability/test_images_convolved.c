@@ -1,9 +1,9 @@
 /* Planes of any shape spread by point spread functions of any shape, in float and in double: what
  * the transforms leave is rounding, whatever the light and wherever it is.
  *
- * The bound of every row is rounding_bound of planes.h: epsilon log2 N for each of three transforms,
- * as a norm of all errors together. The largest of the errors, and their sum over the root of their
- * number (Cauchy and Schwarz), are no larger. */
+ * The bound of every row is rounding_bound of planes.h: epsilon log2 N for each of three
+ * transforms, as a norm of all errors together. The largest of the errors, and their sum over the
+ * root of their number (Cauchy and Schwarz), are no larger. */
 #include "tests/simulate/planes.h"
 #include "tests/stability/cases.h"
 #include "tests/stability/table.h"

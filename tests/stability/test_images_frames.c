@@ -52,28 +52,36 @@ static double noise(int x, int y) {
 
 static double radius(int x, int y) { return hypot(x - WIDTH / 2 + 0.3, y - HEIGHT / 2 - 0.2); }
 
-static double black(int x, int y) { return 0 * (x + y); }
-static double white(int x, int y) { return 255 + 0 * (x + y); }
-static double grey(int x, int y) { return MIDDLE + 0 * (x + y); }
+static double even(int x, int y, double level) {
+  (void)x;
+  (void)y;
+  return level;
+}
+
+static double black(int x, int y) { return even(x, y, 0); }
+static double white(int x, int y) { return even(x, y, 255); }
+static double grey(int x, int y) { return even(x, y, MIDDLE); }
 static double one_bright_sample(int x, int y) { return x == 300 && y == 200 ? 255 : 0; }
 static double faint_noise(int x, int y) { return 100 + 2 * noise(x, y); }
 static double strong_noise(int x, int y) { return MIDDLE + 60 * noise(x, y); }
 static double salt_and_pepper(int x, int y) { return noise(x, y) > 0 ? 255 : 0; }
 static double fine_checker(int x, int y) { return (x + y) % 2 * 255; }
 static double wide_checker(int x, int y) { return (x / 16 + y / 16) % 2 * 255; }
-static double stripes(int x, int y) { return 0 * y + x / 10 % 2 * 255; }
-static double ramp(int x, int y) { return 0 * y + x * 255.0 / WIDTH; }
+static double stripes(int x, int y) { return even(x, y, x / 10 % 2 * 255); }
+static double ramp(int x, int y) { return even(x, y, x * 255.0 / WIDTH); }
 static double star(int x, int y) {
   return MIDDLE + 100 * sin(24 * atan2(y - HEIGHT / 2.0, x - WIDTH / 2.0));
 }
 static double blurred_rings(int x, int y) { /* a contrast of a tenth of a grey level */
   return 100 + 0.1 * cos(radius(x, y) / 2.2) + 2 * noise(x, y);
 }
-static double three_rings(int x, int y) { return radius(x, y) < 30 ? (int)(radius(x, y) / 10) % 2 * 200 : 20; }
-static double quarter(int x, int y) { /* rings in one corner: the innermost ones are not all round */
+static double three_rings(int x, int y) {
+  return radius(x, y) < 30 ? (int)(radius(x, y) / 10) % 2 * 200 : 20;
+}
+static double quarter(int x, int y) {
   return x > WIDTH / 2 + 20 && y < HEIGHT / 2 - 20 ? 100 + 80 * cos(radius(x, y) / 2.2) : 90;
 }
-static double burnt_out(int x, int y) { return 5000 + 4000 * cos(radius(x, y) / 2.2) + 0 * noise(x, y); }
+static double burnt_out(int x, int y) { return 5000 + 4000 * cos(radius(x, y) / 2.2); }
 
 static const struct {
   const char *name;
@@ -184,8 +192,8 @@ static void no_noise_is_taken_for_mires(void **state) {
   case_refused(err.status, PLACIDO_QUALITY, &err, "", "noise, 10 frames");
 }
 
-/* A recording of nothing but such frames: one of them is chosen, as one has to be, with a score that
- * is a number, and is refused for what it shows. */
+/* A recording of nothing but such frames: one of them is chosen, as one has to be, with a score
+ * that is a number, and is refused for what it shows. */
 static void a_recording_without_mires_is_refused(void **state) {
   static const drawing frames[] = {black, white, salt_and_pepper, fine_checker};
   char *path = scratch_path(state, "session"), address[600];

@@ -130,8 +130,8 @@ static void wavefront_axes_have_no_edge(void **state) {
   }
 }
 
-/* The search ends within 0.002 D of either component, which turns J by as much over its size; half of
- * that is the axis. */
+/* The search ends within 0.002 D of either component, which turns J by as much over its size; half
+ * of that is the axis. */
 static void lenses_axes_have_no_edge(void **state) {
   (void)state;
   double worst_deg = 0, size_D = 1;
@@ -152,8 +152,8 @@ static void lenses_axes_have_no_edge(void **state) {
                "lens's axis, 0 to 180, 2.4 D");
 }
 
-/* The flattest of 128 diameters by a parabola: of a cosine of twice the angle, sampled every
- * h = 2 pi / 128, the parabola's top is off by h³ / 62.4 at most, half of it in angle. Snell's cosine
+/* The flattest of 128 diameters by a parabola: of a cosine of twice the angle, sampled every h = 2
+ * pi / 128, the parabola's top is off by h³ / 62.4 at most, half of it in angle. Snell's cosine
  * has a second harmonic of C / 2 P, 0.03, whose fourth derivative is 16 times as large: another
  * half, taken as much again. */
 static void simk_axes_have_no_edge(void **state) {

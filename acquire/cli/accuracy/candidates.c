@@ -17,11 +17,22 @@ static size_t find_eye(const struct table_eyes *eyes, const char *name) {
   return i;
 }
 
+bool table_eye_measurable(const struct accuracy_table *table, const char *eye) {
+  for (size_t i = 0; i < table->count; i++) {
+    const struct accuracy_row *row = &table->rows[i];
+    if (row->stage == ACCURACY_FLOOR && strcmp(row->eye, eye) == 0 &&
+        row->error[ACCURACY_ELEVATION_UM] > ACCURACY_MEASURABLE_UM) {
+      return false;
+    }
+  }
+  return true;
+}
+
 int table_eyes_list(struct table_eyes *eyes, const struct accuracy_table *table, placido_error *err) {
   *eyes = (struct table_eyes){0};
   for (size_t i = 0; i < table->count; i++) {
     const char *name = table->rows[i].eye;
-    if (find_eye(eyes, name) < eyes->count) {
+    if (find_eye(eyes, name) < eyes->count || !table_eye_measurable(table, name)) {
       continue;
     }
     if (eyes->count == ACCURACY_EYES_MAX) {
@@ -30,17 +41,18 @@ int table_eyes_list(struct table_eyes *eyes, const struct accuracy_table *table,
     }
     eyes->names[eyes->count++] = name;
   }
-  return PLACIDO_OK;
+  return eyes->count > 0 ? PLACIDO_OK
+                         : placido_error_set(err, PLACIDO_QUALITY,
+                                             "the accuracy table has no eye that can be measured");
 }
 
-/* What a knob is where a setting does not name it, of each stage's knobs that can be set. How many
- * buckets there are is not: examinations have 257. */
+/* What a knob is where a setting does not name it, of each stage that is chosen from. */
 static const char *const finest[ACCURACY_STAGES] = {
     [ACCURACY_MIRES] = "meridians=1440 filter_px=1",
     [ACCURACY_FIT] = "knot_mm=0.2 degree=5 tolerance=0",
     [ACCURACY_TRACE] = "samples=800 pattern=crosshatch light=spread",
-    [ACCURACY_PSF] = "bucket_arcmin=0.2 wavelengths=31",
-    [ACCURACY_CONVOLUTION] = "doubles=1 memory_MB=0",
+    [ACCURACY_PSF] = "",
+    [ACCURACY_CONVOLUTION] = "",
     [ACCURACY_ACUITY] = "trials=262144",
     [ACCURACY_REST] = "",
     [ACCURACY_FLOOR] = "",
@@ -90,7 +102,8 @@ static int gather(struct candidates *candidates, const struct accuracy_table *ta
                   const struct table_eyes *eyes, enum accuracy_stage stage, placido_error *err) {
   for (size_t i = 0; i < table->count; i++) {
     const struct accuracy_row *row = &table->rows[i];
-    if (row->stage != stage) {
+    const size_t eye = find_eye(eyes, row->eye);
+    if (row->stage != stage || eye == eyes->count) {
       continue;
     }
     char setting[96];
@@ -102,7 +115,6 @@ static int gather(struct candidates *candidates, const struct accuracy_table *ta
     if (!c) {
       return PLACIDO_MEMORY;
     }
-    const size_t eye = find_eye(eyes, row->eye);
     double *error = c->error[eye];
     c->measured[eye] = true;
     c->ms = fmax(c->ms, row->ms);

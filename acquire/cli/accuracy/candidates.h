@@ -20,14 +20,22 @@ struct candidates {
   size_t count;
 };
 
-/* The names of the table's eyes, borrowed. */
+/* The largest error of elevation that leaves an eye measurable, micrometres. Where even the finest
+ * settings are further from the truth the cornea folds the mires: an examination tells that, and
+ * what is promised is for others. */
+#define ACCURACY_MEASURABLE_UM 1.0
+
+bool table_eye_measurable(const struct accuracy_table *table, const char *eye);
+
+/* The names of the table's eyes that can be measured, borrowed. */
 struct table_eyes {
   const char *names[ACCURACY_EYES_MAX];
   size_t count;
 };
 
-/* PLACIDO_QUALITY where there are more than ACCURACY_EYES_MAX. */
-int table_eyes_list(struct table_eyes *eyes, const struct accuracy_table *table, placido_error *err);
+/* PLACIDO_QUALITY where there are more than ACCURACY_EYES_MAX, or none. */
+int table_eyes_list(struct table_eyes *eyes, const struct accuracy_table *table,
+                    placido_error *err);
 
 /* The settings of a stage, every knob named, that agree with `fixed`, without those with which an
  * eye could not be examined that could with others, and those that another one beats at everything.

@@ -47,11 +47,12 @@ static double points_share(const struct candidate *mires) {
              : 1.0;
 }
 
+/* Knots of 0 mm are as residuals ask for them: so were those of the surface that was measured. */
 static double knots_share(const struct candidate *fit) {
   struct knob knot;
-  return fit && knob_find(&knot, fit->setting, "knot_mm")
-             ? fmax(REST_KNOT_MM / knob_number(knot.value), 1)
-             : 1.0;
+  const double knot_mm =
+      fit && knob_find(&knot, fit->setting, "knot_mm") ? knob_number(knot.value) : 0;
+  return knot_mm > 0 ? fmax(REST_KNOT_MM / knot_mm, 1) : 1.0;
 }
 
 static double stage_ms(const struct search *s, const struct candidate *const *at, int stage) {
@@ -306,7 +307,8 @@ double accuracy_setting_ms(const struct accuracy_table *table, enum accuracy_sta
   double most_ms = 0;
   for (size_t i = 0; i < table->count; i++) {
     const struct accuracy_row *row = &table->rows[i];
-    if (row->stage == stage && strcmp(row->setting, setting) == 0) {
+    if (row->stage == stage && strcmp(row->setting, setting) == 0 &&
+        table_eye_measurable(table, row->eye)) {
       most_ms = fmax(most_ms, row->ms);
     }
   }

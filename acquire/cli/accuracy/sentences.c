@@ -176,8 +176,7 @@ static void say_ladder(struct accuracy_sentences *sentences, const struct accura
   append(text, ACCURACY_SENTENCE_SIZE, ".");
 }
 
-/* What is left with everything at its finest, in the hardest eye; NaN: not known. */
-static double floor_of(const struct accuracy_table *table, enum accuracy_error error) {
+double accuracy_floor_find(const struct accuracy_table *table, enum accuracy_error error) {
   double most = NAN;
   for (size_t i = 0; i < table->count; i++) {
     if (table->rows[i].stage == ACCURACY_FLOOR) {
@@ -211,7 +210,7 @@ static void say_limit(struct accuracy_sentences *sentences, const struct accurac
   struct accuracy_point points[POINTS_MAX];
   char left[WORDS], anyway[WORDS], ms[32];
   const size_t count = accuracy_points_find(points, POINTS_MAX, table, stage, error);
-  const double limit = floor_of(table, error);
+  const double limit = accuracy_floor_find(table, error);
   char *text = count > 0 && limit > 0 ? new_sentence(sentences, stage) : NULL;
   if (!text) {
     return;
@@ -271,8 +270,8 @@ static void say_rest(struct accuracy_sentences *sentences, const struct accuracy
 }
 
 static void say_floor(struct accuracy_sentences *sentences, const struct accuracy_table *table) {
-  const double elevation_um = floor_of(table, ACCURACY_ELEVATION_UM);
-  const double otf = floor_of(table, ACCURACY_PSF_OTF);
+  const double elevation_um = accuracy_floor_find(table, ACCURACY_ELEVATION_UM);
+  const double otf = accuracy_floor_find(table, ACCURACY_PSF_OTF);
   char *text = isfinite(elevation_um) ? new_sentence(sentences, ACCURACY_FLOOR) : NULL;
   if (!text) {
     return;

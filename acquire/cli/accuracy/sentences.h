@@ -41,6 +41,9 @@ size_t accuracy_points_find(struct accuracy_point *points, size_t most,
                             const struct accuracy_table *table, enum accuracy_stage stage,
                             enum accuracy_error error);
 
+/* What is left with everything at its finest, in the hardest eye; NaN: not known. */
+double accuracy_floor_find(const struct accuracy_table *table, enum accuracy_error error);
+
 /* "360 meridians, filter of 2 px" of "meridians=360 filter_px=2". */
 void accuracy_setting_say(char *text, size_t size, const char *setting);
 

@@ -11,26 +11,27 @@
 
 #define MAP_STEP_MM 0.1
 
-/* From the cheapest to the finest; the library's defaults stand in the middle. */
+/* From the cheapest to the finest; what is not named is as in an examination of which nothing is
+ * asked. */
 static const char *const settings[] = {
     "meridians=45 knot_mm=2 degree=3 tolerance=1 samples=25 trials=256",
-    "meridians=45 knot_mm=1.5 degree=3 tolerance=0.1 samples=35 trials=256",
-    "meridians=60 knot_mm=1 degree=3 tolerance=0.1 samples=50 trials=512",
-    "meridians=90 knot_mm=1 degree=3 tolerance=0.1 samples=71 trials=1024",
-    "meridians=90 knot_mm=0.75 degree=5 tolerance=0.1 samples=71 trials=1024",
+    "meridians=45 knot_mm=1 degree=3 tolerance=0.1 samples=35 trials=256",
+    "meridians=60 knot_mm=0.75 degree=3 tolerance=0.1 samples=50 trials=512",
+    "meridians=90 knot_mm=0.75 degree=3 tolerance=0.1 samples=71 trials=1024",
+    "meridians=90 knot_mm=0.5 degree=3 tolerance=0.1 samples=71 trials=1024",
     "meridians=120 knot_mm=0.5 degree=5 tolerance=0.1 samples=100 trials=1024",
-    "meridians=180 knot_mm=0.5 degree=5 samples=100 trials=2048",
-    "meridians=180 filter_px=2 knot_mm=0.5 degree=5 samples=200 trials=2048",
-    "meridians=360 knot_mm=0.75 degree=5 samples=200 trials=4096",
+    "meridians=180 knot_mm=0.75 degree=3 samples=100 trials=1024",
+    "meridians=180 knot_mm=0.5 samples=100 trials=2048",
+    "meridians=180 samples=200 trials=2048",
+    "meridians=360 knot_mm=0.75 samples=200 trials=4096",
     "meridians=360 knot_mm=0.5 degree=3 samples=200 trials=4096",
     "meridians=360 samples=400 trials=4096",
-    "meridians=360 filter_px=2 samples=400 trials=4096",
-    "meridians=360 knot_mm=0.35 samples=400 trials=4096",
-    "meridians=720 knot_mm=0.35 samples=800 trials=16384",
-    "meridians=720 knot_mm=0.25 tolerance=1e-6 samples=1600 trials=65536",
+    "meridians=360 filter_px=1.4 samples=400 trials=4096",
+    "meridians=720 samples=800 trials=16384",
+    "meridians=720 tolerance=1e-6 samples=1600 trials=65536",
     NULL};
 static const char *const quick[] = {
-    "meridians=90 knot_mm=1 degree=3 tolerance=0.1 samples=71 trials=1024",
+    "meridians=90 knot_mm=0.75 degree=3 tolerance=0.1 samples=71 trials=1024",
     "meridians=360 samples=400 trials=4096", NULL};
 
 struct found {
@@ -69,6 +70,10 @@ static int measure(struct found *found, const struct accuracy_trial *trial, plac
   status = placido_maps_new(&found->maps, surface, found->fit, MAP_STEP_MM, err);
   if (status == PLACIDO_OK) {
     status = placido_indices_find(found->indices, &count, surface, found->fit, err);
+  }
+  if (status == PLACIDO_OK) {
+    status = placido_indices_of_mires(found->indices, &count, found->fit, &found->mires,
+                                      &trial->eye->instrument, err);
   }
   return status == PLACIDO_OK ? wavefronts_find(&found->wavefronts, surface, found->fit,
                                                 trial->bench->settings, NULL, err)

@@ -1,20 +1,28 @@
 /* The fit: what wider knots, another degree and an earlier end do to the surface. The mires are the
- * usual ones, of 360 meridians, as the time depends on how many points there are. */
+ * usual ones, of 360 meridians, as the time depends on how many points there are. A knot_mm of 0 is
+ * what residuals ask for; all is measured against knots that are finer still. */
 #include "acquire/cli/accuracy/stage.h"
 #include "base/memory.h"
 
 #include <string.h>
 
-#define FINER 0.8 /* knots of what all is measured against, in those of the finest setting */
+#define FINER 0.8 /* of the knots that residuals ask for */
 
 static const char *const settings[] = {
-    "knot_mm=2", "knot_mm=1.5", "knot_mm=1", "knot_mm=0.75", "knot_mm=0.5", "knot_mm=0.35",
-    "knot_mm=0.25", "knot_mm=0.25 degree=3", "knot_mm=1 degree=3", "knot_mm=0.75 degree=3",
-    "knot_mm=0.5 degree=3", "knot_mm=0.35 degree=3", "tolerance=1", "tolerance=0.1",
-    "tolerance=0.001", "tolerance=1e-4", "tolerance=1e-6",
-    "knot_mm=1.5 degree=3 tolerance=1", "knot_mm=1 tolerance=0.1", "knot_mm=0.5 tolerance=0.1",
-    "knot_mm=0.5 tolerance=0.01", "knot_mm=0.5 degree=3 tolerance=0.1", NULL};
-static const char *const quick[] = {"knot_mm=1", "knot_mm=0.5", NULL};
+    "knot_mm=2 degree=5 tolerance=0",     "knot_mm=1.5 degree=5 tolerance=0",
+    "knot_mm=1 degree=5 tolerance=0",     "knot_mm=0.75 degree=5 tolerance=0",
+    "knot_mm=0.5 degree=5 tolerance=0",   "knot_mm=0.35 degree=5 tolerance=0",
+    "knot_mm=0.25 degree=5 tolerance=0",  "knot_mm=0 degree=5 tolerance=0",
+    "knot_mm=1.5 degree=3 tolerance=0",   "knot_mm=1 degree=3 tolerance=0",
+    "knot_mm=0.75 degree=3 tolerance=0",  "knot_mm=0.5 degree=3 tolerance=0",
+    "knot_mm=0.35 degree=3 tolerance=0",  "knot_mm=0.25 degree=3 tolerance=0",
+    "knot_mm=0 degree=3 tolerance=0",     "knot_mm=0 degree=5 tolerance=1",
+    "knot_mm=0 degree=5 tolerance=0.1",   "knot_mm=0 degree=5 tolerance=0.01",
+    "knot_mm=0 degree=5 tolerance=0.001", "knot_mm=0 degree=5 tolerance=1e-6",
+    "knot_mm=1 degree=3 tolerance=1",     "knot_mm=0.75 degree=3 tolerance=0.1",
+    "knot_mm=0.5 degree=5 tolerance=0.1", NULL};
+static const char *const quick[] = {"knot_mm=1 degree=5 tolerance=0",
+                                    "knot_mm=0 degree=5 tolerance=0", NULL};
 
 struct prepared {
   placido_mires mires;
@@ -70,7 +78,7 @@ static int prepare(void **state, const struct accuracy_bench *bench,
   struct accuracy_knobs usual = {.meridians = 0};
   struct accuracy_knobs finer = bench->finest;
   struct accuracy_watch watch = {0};
-  finer.knot_mm *= FINER;
+  finer.knot_mm = FINER * placido_fit_summary_get(eye->fit).knot_mm;
   int status = prepared ? accuracy_eye_mires(&prepared->mires, eye, &usual, err) : PLACIDO_MEMORY;
   if (status == PLACIDO_OK) {
     status = fit_lap(&prepared->fit, &watch, &prepared->mires, eye, &finer, err);

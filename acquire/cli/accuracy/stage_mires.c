@@ -3,12 +3,13 @@
 #include "acquire/cli/accuracy/stage.h"
 
 static const char *const settings[] = {
-    "meridians=45", "meridians=60", "meridians=90", "meridians=120", "meridians=180", "meridians=360",
-    "meridians=720", "filter_px=4", "filter_px=2.8", "filter_px=2", "filter_px=1.4",
-    "filter_px=0.8", "filter_px=0.6", "meridians=90 filter_px=2", "meridians=180 filter_px=2",
-    "meridians=360 filter_px=2", "meridians=360 filter_px=1.4", "meridians=360 filter_px=0.6",
-    NULL};
-static const char *const quick[] = {"meridians=90", "meridians=180", NULL};
+    "meridians=45 filter_px=1",    "meridians=60 filter_px=1",    "meridians=90 filter_px=1",
+    "meridians=120 filter_px=1",   "meridians=180 filter_px=1",   "meridians=360 filter_px=1",
+    "meridians=720 filter_px=1",   "meridians=360 filter_px=4",   "meridians=360 filter_px=2.8",
+    "meridians=360 filter_px=2",   "meridians=360 filter_px=1.4", "meridians=360 filter_px=0.8",
+    "meridians=360 filter_px=0.6", "meridians=90 filter_px=1.4",  "meridians=180 filter_px=1.4",
+    "meridians=720 filter_px=1.4", "meridians=720 filter_px=0.6", NULL};
+static const char *const quick[] = {"meridians=90 filter_px=1", "meridians=180 filter_px=1", NULL};
 
 static int find(struct accuracy_row *row, placido_mires *mires,
                 const struct accuracy_trial *trial, placido_error *err) {

@@ -6,14 +6,17 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What stands before and behind a value; or what a knob's one value is called. */
+/* What stands before and behind a value; or what a knob's one value is called: NULL where nothing
+ * need be said. */
 static const struct {
   const char *name, *value, *before, *behind;
 } phrases[] = {
     {"meridians", NULL, "", " meridians"},
     {"filter_px", NULL, "a filter of ", " px"},
+    {"knot_mm", "0", "knots as residuals ask", ""},
     {"knot_mm", NULL, "knots every ", " mm"},
     {"degree", NULL, "degree ", ""},
+    {"tolerance", "0", NULL, NULL},
     {"tolerance", NULL, "a tolerance of ", ""},
     {"samples", NULL, "", " rays across"},
     {"light", "counted", "counted", ""},
@@ -33,8 +36,10 @@ static void say_knob(char *text, size_t size, const struct knob *knob) {
   for (size_t i = 0; i < sizeof phrases / sizeof *phrases; i++) {
     if (strcmp(phrases[i].name, knob->name) == 0 &&
         (!phrases[i].value || strcmp(phrases[i].value, knob->value) == 0)) {
-      snprintf(text, size, "%s%s%s", phrases[i].before, phrases[i].value ? "" : knob->value,
-               phrases[i].behind);
+      if (phrases[i].before) {
+        snprintf(text, size, "%s%s%s", phrases[i].before, phrases[i].value ? "" : knob->value,
+                 phrases[i].behind);
+      }
       return;
     }
   }
@@ -46,8 +51,10 @@ void accuracy_setting_say(char *text, size_t size, const char *setting) {
   size_t used = 0;
   text[0] = '\0';
   while (knob_next(&knob, &setting) && used < size) {
-    char words[96];
+    char words[96] = "";
     say_knob(words, sizeof words, &knob);
-    used += (size_t)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", words);
+    if (words[0] != '\0') {
+      used += (size_t)snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", words);
+    }
   }
 }
