@@ -4,10 +4,11 @@
 #ifndef PLACIDO_BASE_DISPATCH_H
 #define PLACIDO_BASE_DISPATCH_H
 
-/* Arithmetic as it must be everywhere: every number rounded to its own type (no x87), NaN a number of
- * its own. tests/architecture looks at the options of every file. */
 #include <float.h>
-_Static_assert(FLT_EVAL_METHOD == 0, "floating point must be evaluated in its own type: -mfpmath=sse");
+
+/* Arithmetic as it must be everywhere: every number rounded to its own type (no x87), NaN missing.
+ * tests/architecture looks at the options of every file. */
+_Static_assert(FLT_EVAL_METHOD == 0, "numbers must be rounded to their type: -mfpmath=sse");
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "NaN means missing here: -ffast-math and -ffinite-math-only are out"
 #endif

@@ -61,8 +61,8 @@ static bool bisect(const meridian *m, int edge, double high, placido_phantom_hit
   return outer.on_cornea && outer.band == edge && inner.band == edge - 1;
 }
 
-/* Bisects for every edge from `first` to `last` that has not been seen nearer to the centre. Returns
- * how many were seen now. */
+/* Bisects for every edge from `first` to `last` that has not been seen nearer to the centre.
+ * Returns how many were seen now. */
 static int see_between(const meridian *m, int first, int last, double high,
                        const placido_phantom_hit *inner, const placido_phantom_hit *outer,
                        double (*positions_px)[2]) {

@@ -18,8 +18,8 @@ static void distort(const double k[5], double x, double y, double out[2], double
   jacobian[1][1] = radial + slope * y * y + 6 * k[2] * y + 2 * k[3] * x;
 }
 
-/* Solves distort(x, y) = target; leaves the inverse of the Jacobian there. What is left over is then
- * rounding, and the Jacobian's place the solution's. */
+/* Solves distort(x, y) = target; leaves the inverse of the Jacobian there. What is left over is
+ * rounding, and the Jacobian's place is then the solution's. */
 static void undistort(const double k[5], const double target[2], double xy[2],
                       double inverse[2][2]) {
   double rounding = 4 * DBL_EPSILON * (fabs(target[0]) + fabs(target[1]));

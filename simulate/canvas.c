@@ -3,8 +3,10 @@
 #include "simulate/canvas.h"
 
 #include "simulate/bleed.h"
+#include "simulate/depth/map.h"
 #include "simulate/resample.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -23,25 +25,48 @@ bool placido_scene_coarse(const placido_scene *scene, const placido_psf *psf) {
   return is_coarse(scene, psf->bucket_arcmin);
 }
 
-static bool is_light(float sample) { return fabsf(sample) <= brightest; }
+/* The first of `count` samples that does not lie from `least` to `most`; `count` where all do. */
+static size_t find_stray(const float *samples, size_t count, float least, float most) {
+  unsigned stray = 0;
+  for (size_t i = 0; i < count; i++) {
+    stray += !(samples[i] >= least && samples[i] <= most);
+  }
+  for (size_t i = 0; i < count && stray > 0; i++) {
+    if (!(samples[i] >= least && samples[i] <= most)) {
+      return i;
+    }
+  }
+  return count;
+}
 
 int placido_scene_check_light(const placido_scene *scene, placido_error *err) {
   const placido_image *image = &scene->image;
   const size_t width = (size_t)image->width_px, height = (size_t)image->height_px;
   for (size_t row = 0; row < height * (size_t)image->planes; row++) {
     const float *samples = &image->data[row * width];
-    unsigned bad = 0;
-    for (size_t x = 0; x < width; x++) {
-      bad += !is_light(samples[x]);
+    size_t x = find_stray(samples, width, -brightest, brightest);
+    if (x < width) {
+      return placido_error_set(err, PLACIDO_INPUT,
+                               "scene %s: sample (%zu, %zu) of plane %zu is %g, expected a number "
+                               "up to %g times white",
+                               scene->name, x, row % height, row / height, (double)samples[x],
+                               (double)brightest);
     }
-    for (size_t x = 0; x < width && bad > 0; x++) {
-      if (!is_light(samples[x])) {
-        return placido_error_set(err, PLACIDO_INPUT,
-                                 "scene %s: sample (%zu, %zu) of plane %zu is %g, expected a "
-                                 "number up to %g times white",
-                                 scene->name, x, row % height, row / height, (double)samples[x],
-                                 (double)brightest);
-      }
+  }
+  return PLACIDO_OK;
+}
+
+int placido_scene_check_depth(const placido_scene *scene, placido_error *err) {
+  const float nearest_D = (float)(1 / PLACIDO_DEPTH_NEAREST_M) * (1 + FLT_EPSILON);
+  const size_t width = (size_t)scene->image.width_px, height = (size_t)scene->image.height_px;
+  for (size_t row = 0; row < height && scene->depth_D != NULL; row++) {
+    const float *samples = &scene->depth_D[row * width];
+    size_t x = find_stray(samples, width, 0, nearest_D);
+    if (x < width) {
+      return placido_error_set(err, PLACIDO_INPUT,
+                               "scene %s: pixel (%zu, %zu) has a vergence of %g D, expected 0 to %g",
+                               scene->name, x, row, (double)samples[x],
+                               1 / PLACIDO_DEPTH_NEAREST_M);
     }
   }
   return PLACIDO_OK;

@@ -22,6 +22,9 @@ void placido_scene_canvas_free(placido_scene_canvas *canvas);
  * scene has an image. Returns PLACIDO_OK or PLACIDO_INPUT. */
 int placido_scene_check_light(const placido_scene *scene, placido_error *err);
 
+/* Refuses vergences that are no distance. Returns PLACIDO_OK or PLACIDO_INPUT. */
+int placido_scene_check_depth(const placido_scene *scene, placido_error *err);
+
 /* Divides the colours of a picture of four planes by its alpha: what a picture with holes needs
  * when colours and alpha are spread. Where there is nothing there is no colour either. */
 void placido_scene_canvas_unweigh(placido_image *image);

@@ -98,9 +98,9 @@ static double path_of(const placido_wavefront *w, double x_mm, double y_mm, doub
   return depth_mm + w->eye.index * sqrt(dx * dx + dy * dy + dz * dz) - lens_path(w, x_mm, y_mm);
 }
 
-/* Path of the chief ray, which the lens takes nothing from, less that of a ray, mm. Both are some 30
- * mm: the difference of their distances a and b to the centre is (a² - b²) / (a + b), with the
- * squares' difference taken place by place, which keeps the digits of paths that are nearly alike. */
+/* Path of the chief ray, which the lens takes nothing from, less that of a ray, mm. Both are some
+ * 30 mm: the difference of their distances a and b to the centre is (a² - b²) / (a + b), with the
+ * squares' difference taken place by place, which keeps the digits of paths nearly alike. */
 static double path_difference(const placido_wavefront *w, const placido_entry *chief, double x_mm,
                               double y_mm, double depth_mm) {
   const double a[3] = {chief->x_mm, chief->y_mm, chief->depth_mm}, b[3] = {x_mm, y_mm, depth_mm};

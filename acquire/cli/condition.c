@@ -1,6 +1,6 @@
 /* The step that finds condition numbers: what edge noise and geometry do to each result has been
  * found with its error bar; the derivative by the distance is that of the fit (implicit function
- * theorem), carried to each result by central differences. */
+ * theorem), carried to each result by a difference. */
 #include "acquire/cli/condition.h"
 
 #include "acquire/cli/examination.h"
@@ -9,19 +9,20 @@
 #include <stdio.h>
 #include <string.h>
 
-#define STEP_MM 0.01   /* of the distance: curvature of results over it is some 1e-4 of the slope */
+#define STEP_MM 1e-3   /* of the distance: results bend over it by some 1e-5 of the slope */
+#define STREHL_STEP_MM 0.01 /* either way: at the best focus the ratio falls on both sides */
 #define GRID_MM 0.25   /* as the error budget */
 #define LEVEL_MM 3     /* the zone whose mean height is 0 */
 #define STREHL_SAMPLES 100 /* rays a side, spread: as acuity.c sees other corneas */
 
-/* The fitted surface, and those where z on the axis is a step less and more. */
+/* The fitted surface, and that where z on the axis is a step more. */
 struct moved {
   const placido_surface *middle;
-  placido_surface *less, *more; /* NULL: no distance */
+  placido_surface *more; /* NULL: no distance */
 };
 
 static double slope_of(double before, double after) {
-  return (after - before) / (2 * STEP_MM);
+  return (after - before) / STEP_MM;
 }
 
 /* Adds a result: there is room for all that a record may have. */
@@ -62,17 +63,13 @@ struct zone {
 /* What the surface has at a place, or its derivative by the distance. */
 static bool look(const struct moved *moved, bool derivative, double x, double y, double out[2]) {
   double before[2], after[2];
-  if (!placido_surface_covered(moved->middle, x, y)) {
+  if (!placido_surface_covered(moved->middle, x, y) || !shape_at(moved->middle, x, y, before) ||
+      (derivative && !shape_at(moved->more, x, y, after))) {
     return false;
   }
-  if (!derivative) {
-    return shape_at(moved->middle, x, y, out);
+  for (int k = 0; k < 2; k++) {
+    out[k] = derivative ? slope_of(before[k], after[k]) : before[k];
   }
-  if (!shape_at(moved->less, x, y, before) || !shape_at(moved->more, x, y, after)) {
-    return false;
-  }
-  out[0] = slope_of(before[0], after[0]);
-  out[1] = slope_of(before[1], after[1]);
   return true;
 }
 
@@ -110,7 +107,7 @@ static void add_shape(struct conditions *all, const struct examination *e,
   double value[2], per_mm[2] = {NAN, NAN}, sum[2] = {0};
   placido_fit_budget(e->fit, CONDITION_ZONE_MM, budget);
   over_zone(value, moved, false);
-  if (moved->less) {
+  if (moved->more) {
     over_zone(per_mm, moved, true);
   }
   for (int k = 0; k < PLACIDO_SIGMA_SOURCES; k++) {
@@ -142,25 +139,19 @@ static const placido_index_value *index_named(const placido_index_value *values,
 
 static int add_indices(struct conditions *all, const struct examination *e,
                        const struct moved *moved, placido_error *err) {
-  placido_index_value values[2][PLACIDO_INDICES_MAX];
-  size_t counts[2] = {0};
-  int status = PLACIDO_OK;
-  if (moved->less) {
-    status = placido_indices_find(values[0], &counts[0], moved->less, NULL, err);
-  }
-  if (moved->less && status == PLACIDO_OK) {
-    status = placido_indices_find(values[1], &counts[1], moved->more, NULL, err);
-  }
+  placido_index_value values[PLACIDO_INDICES_MAX];
+  size_t count = 0;
+  const int status =
+      moved->more ? placido_indices_find(values, &count, moved->more, NULL, err) : PLACIDO_OK;
   for (size_t i = 0; i < sizeof indices / sizeof *indices && status == PLACIDO_OK; i++) {
     const placido_index_value *index = index_named(e->indices, e->index_count, indices[i]);
-    const placido_index_value *before = index_named(values[0], counts[0], indices[i]);
-    const placido_index_value *after = index_named(values[1], counts[1], indices[i]);
+    const placido_index_value *after = index_named(values, count, indices[i]);
     if (index) {
       struct condition *one =
           add(all, index->name, index->unit, NAN, index->value, index->sigma);
       one->by_edges = index->budget[PLACIDO_SIGMA_NOISE];
       one->by_geometry = index->budget[PLACIDO_SIGMA_GEOMETRY];
-      one->per_mm = before && after ? slope_of(before->value, after->value) : (double)NAN;
+      one->per_mm = after ? slope_of(index->value, after->value) : (double)NAN;
     }
   }
   return status;
@@ -176,9 +167,9 @@ static void fill(struct condition *one, const struct spread *spread) {
   one->by_geometry = spread->by[PLACIDO_SIGMA_GEOMETRY];
 }
 
-/* `before` and `after`: the terms where z on the axis is a step less and more; NULL: not known. */
+/* `after`: the terms where z on the axis is a step more; NULL: not known. */
 static void add_terms(struct conditions *all, const struct wavefront_view *view,
-                      const double *before, const double *after) {
+                      const double *after) {
   const double pupil_mm = view->front.eye.pupil_mm;
   for (size_t i = 0; i < sizeof terms / sizeof *terms; i++) {
     const int j = placido_zernike_index(terms[i].n, terms[i].m);
@@ -188,13 +179,13 @@ static void add_terms(struct conditions *all, const struct wavefront_view *view,
       struct condition *one = add(all, name, "um", pupil_mm, view->front.coefficients_um[j],
                                   view->terms[j].sigma);
       fill(one, &view->terms[j]);
-      one->per_mm = before ? slope_of(before[j], after[j]) : (double)NAN;
+      one->per_mm = after ? slope_of(one->value, after[j]) : (double)NAN;
     }
   }
 }
 
 static void add_higher(struct conditions *all, const struct wavefront_view *view,
-                       const double *before, const double *after) {
+                       const double *after) {
   size_t count;
   const placido_wavefront_figure *figures = placido_wavefront_figures(&count);
   for (size_t i = 0; i < count && i < WAVEFRONT_FIGURES_MAX; i++) {
@@ -203,34 +194,30 @@ static void add_higher(struct conditions *all, const struct wavefront_view *view
                                   view->front.eye.pupil_mm, view->figures[i],
                                   view->figure_spreads[i].sigma);
       fill(one, &view->figure_spreads[i]);
-      one->per_mm = before ? slope_of(figures[i].at(&view->front, before),
-                                      figures[i].at(&view->front, after))
-                           : (double)NAN;
+      one->per_mm =
+          after ? slope_of(one->value, figures[i].at(&view->front, after)) : (double)NAN;
     }
   }
 }
 
 static int add_wavefront(struct conditions *all, const struct wavefront_view *view,
                          const struct moved *moved, placido_error *err) {
-  double before[PLACIDO_WAVEFRONT_TERMS], after[PLACIDO_WAVEFRONT_TERMS];
+  double after[PLACIDO_WAVEFRONT_TERMS];
   placido_error reason = {0};
-  int status = moved->less ? placido_wavefront_again(before, &view->front, moved->less, &reason)
-                           : PLACIDO_QUALITY;
-  if (status == PLACIDO_OK) {
-    status = placido_wavefront_again(after, &view->front, moved->more, &reason);
-  }
+  const int status = moved->more
+                         ? placido_wavefront_again(after, &view->front, moved->more, &reason)
+                         : PLACIDO_QUALITY;
   if (status != PLACIDO_OK && status != PLACIDO_QUALITY) {
     return placido_error_set(err, status, "%s", reason.text);
   }
-  const bool known = status == PLACIDO_OK;
-  add_terms(all, view, known ? before : NULL, after);
-  add_higher(all, view, known ? before : NULL, after);
+  add_terms(all, view, status == PLACIDO_OK ? after : NULL);
+  add_higher(all, view, status == PLACIDO_OK ? after : NULL);
   return PLACIDO_OK;
 }
 
-/* The Strehl ratio of another cornea through the same lens; NaN where that cannot be told. */
-static double strehl_of(const struct examination *e, const struct view *view,
-                        const placido_surface *surface) {
+/* The Strehl ratio through the same lens where z on the axis is another; NaN where that cannot be
+ * told. */
+static double strehl_of(const struct examination *e, const struct view *view, double step_mm) {
   const placido_optics optics = {.samples = STREHL_SAMPLES,
                                  .buckets = view->psf.n,
                                  .bucket_arcmin = view->psf.bucket_arcmin,
@@ -238,22 +225,26 @@ static double strehl_of(const struct examination *e, const struct view *view,
                                  .grow = 1,
                                  .cwhatuc = e->settings->cwhatuc,
                                  .threads = 1};
+  placido_surface *surface;
   placido_psf psf = {0};
   double strehl = NAN;
-  if (placido_psf_new(&psf, NULL, surface, &view->eye, &optics, NULL, NULL) == PLACIDO_OK) {
+  if (placido_fit_moved(&surface, e->fit, step_mm, NULL) == PLACIDO_OK &&
+      placido_psf_new(&psf, NULL, surface, &view->eye, &optics, NULL, NULL) == PLACIDO_OK) {
     strehl = psf.strehl_g;
   }
   placido_psf_free(&psf);
+  placido_surface_free(surface);
   return strehl;
 }
 
-static void add_view(struct conditions *all, const struct examination *e, const struct view *view,
-                     const struct moved *moved) {
+static void add_view(struct conditions *all, const struct examination *e,
+                     const struct view *view) {
   const double pupil_mm = view->psf.pupil_mm;
   struct condition *one =
       add(all, "strehl_g", "", pupil_mm, view->psf.strehl_g, view->strehl_g_sigma);
-  if (moved->less) {
-    one->per_mm = slope_of(strehl_of(e, view, moved->less), strehl_of(e, view, moved->more));
+  if (e->frame.data) {
+    one->per_mm = (strehl_of(e, view, STREHL_STEP_MM) - strehl_of(e, view, -STREHL_STEP_MM)) /
+                  (2 * STREHL_STEP_MM);
   }
   for (size_t i = 0; i < view->acuity.count; i++) {
     const placido_acuity *acuity = &view->acuity.items[i];
@@ -278,11 +269,6 @@ static double scale_of(const placido_mires *mires) {
   return sqrt(sum / (double)count);
 }
 
-static int move(struct moved *moved, const placido_fit *fit, placido_error *err) {
-  const int status = placido_fit_moved(&moved->less, fit, -STEP_MM, err);
-  return status != PLACIDO_OK ? status : placido_fit_moved(&moved->more, fit, STEP_MM, err);
-}
-
 int step_condition(struct examination *e, placido_error *err) {
   struct conditions *all = &e->conditions;
   struct moved moved = {.middle = e->surface};
@@ -302,7 +288,7 @@ int step_condition(struct examination *e, placido_error *err) {
     all->edge_scale_px = scale_of(&e->mires);
     all->distance_sigma_mm = fit.axis_z_sigma_mm;
     all->distance_scale_mm = e->instrument.position_mm[2] - fit.axis_z_mm;
-    status = move(&moved, e->fit, err);
+    status = placido_fit_moved(&moved.more, e->fit, STEP_MM, err);
   }
   if (status == PLACIDO_OK) {
     add_shape(all, e, &moved);
@@ -312,9 +298,8 @@ int step_condition(struct examination *e, placido_error *err) {
     status = add_wavefront(all, &e->wavefronts.items[i], &moved, err);
   }
   for (size_t i = 0; i < e->views.count && status == PLACIDO_OK; i++) {
-    add_view(all, e, &e->views.items[i], &moved);
+    add_view(all, e, &e->views.items[i]);
   }
-  placido_surface_free(moved.less);
   placido_surface_free(moved.more);
   return status;
 }

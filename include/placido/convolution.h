@@ -15,8 +15,8 @@ typedef struct placido_convolution {
   double memory_MB;          /* most memory for one padded tile, above 0 [1024], though no tile is
                                 less than a 64th of a plane's side. A thread takes one tile (two for
                                 sums), a PSF's transform another */
-  int size_px;               /* transforms have at least so many samples a side, 0 to 16,384, whatever
-                                that needs of memory [as many as take the least time] */
+  int size_px;               /* transforms have at least so many samples a side, 0 to 16,384,
+                                whatever that needs of memory [what takes the least time] */
   const char *wisdom_folder; /* transforms measured for this machine, and what was measured kept in
                                 this folder: faster, but rounding then depends on it; [NULL: plans
                                 are estimated, and results are the same bits each time] */

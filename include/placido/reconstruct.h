@@ -22,9 +22,9 @@ typedef struct placido_fit_options {
   double smoothing;       /* weight of the third-derivative penalty [1000] */
   int degree;             /* of the spline, 3 or 5 [5] */
   int steps_max;          /* Gauss-Newton steps [40] */
-  double tolerance;       /* the last step of Gauss-Newton is one that moves the points' residuals by
-                             less than this share of their noise, or after which the next one would,
-                             1e-6 to 1 [0.014, or 0.1 where no point was set aside] */
+  double tolerance;       /* the last step of Gauss-Newton is one that moves the points' residuals
+                             by less than this share of their noise, or after which the next one
+                             would, 1e-6 to 1 [0.014, or 0.1 where no point was set aside] */
   int threads;            /* [1]; the result does not depend on it */
   const placido_fit *start; /* of the frame before, of the same eye under the same instrument: the
                              fit starts there, which takes a half of the time, and agrees with one
@@ -113,8 +113,8 @@ int placido_fit_draw(placido_surface **surface, const placido_fit *fit, int numb
                      placido_error *err);
 
 /* The fitted surface as it would be were z on the axis larger by so many mm, to first order in the
- * fit: what the distance variant is by its sigma. Free with placido_surface_free. Returns PLACIDO_OK
- * or PLACIDO_MEMORY. */
+ * fit: what the distance variant is by its sigma. Free with placido_surface_free. Returns
+ * PLACIDO_OK or PLACIDO_MEMORY. */
 int placido_fit_moved(placido_surface **surface, const placido_fit *fit, double distance_mm,
                       placido_error *err);
 

@@ -20,7 +20,7 @@
 typedef struct kernel {
   double variance_px2;
   int passes, taps;
-  float weight[PHASES + 1][TAPS_MOST];
+  float weight[(PHASES + 1) * TAPS_MOST]; /* rows of `taps` */
 } kernel;
 
 /* The cubic B-spline at x. */
@@ -56,7 +56,7 @@ static void kernel_fill(kernel *k, int passes, double side) {
       for (int i = 0; i < passes; i++) {
         sides += share[i] * (cubic(x - (passes - i)) + cubic(x + (passes - i)));
       }
-      k->weight[p][t] = (float)(sides + share[passes] * cubic(x));
+      k->weight[p * k->taps + t] = (float)(sides + share[passes] * cubic(x));
     }
   }
 }
@@ -138,7 +138,7 @@ static float sample(float *row, int count, const placido_image *plane, const pat
   for (int i = 0; i < count; i++, line += way->main) {
     double across = way->at_across + i * way->drift;
     int base = (int)across;
-    const float *w = k->weight[(int)((across - base) * PHASES + 0.5)];
+    const float *w = k->weight + (int)((across - base) * PHASES + 0.5) * k->taps;
     row[i] = gather(line + (base - k->passes - 1) * a, a, w, k->taps);
     most = line[base * a] > most ? line[base * a] : most;
   }

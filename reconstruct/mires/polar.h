@@ -24,10 +24,11 @@ typedef struct placido_polar {
 } placido_polar;
 
 /* Unrolls the plane out to radius_px. A meridian nearer to the rows (columns) takes a sample at
- * each column (row) that it crosses, weighing the pixels of that column (row) about it, usually six,
- * by B-splines that are nearly a Gaussian (Unser, IEEE Signal Proc. Mag. 16:22, 1999), of standard
- * deviation filter_px (1/√3 to 4; usually 1): no pixel serves two samples of a meridian, so their
- * noise is independent, and the blur that the kernel adds is known. Free with placido_polar_free. */
+ * each column (row) that it crosses, weighing the pixels of that column (row) about it, usually
+ * six, by B-splines that are nearly a Gaussian (Unser, IEEE Signal Proc. Mag. 16:22, 1999), of
+ * standard deviation filter_px (1/√3 to 4; usually 1): no pixel serves two samples of a meridian,
+ * so their noise is independent, and the blur that the kernel adds is known. Free with
+ * placido_polar_free. */
 int placido_polar_new(placido_polar *polar, const placido_image *plane, const double centre_px[2],
                       double radius_px, int meridians, double filter_px, int threads,
                       placido_error *err);

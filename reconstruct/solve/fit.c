@@ -51,8 +51,8 @@ static int cover(placido_coverage *coverage, unsigned char **mask, double *radiu
     double share =
         placido_fold_mask(coverage, *mask, folds, folded, PLACIDO_CONTRADICT_REACH_MM);
     placido_notes_add(notes,
-                      "most edge points about x = %.1f, y = %.1f mm contradict the surface: %.1f %% "
-                      "of the map are left out",
+                      "most edge points about x = %.1f, y = %.1f mm contradict the surface: %.1f "
+                      "%% of the map are left out",
                       folds[folded / 2].x_mm, folds[folded / 2].y_mm, 100 * share);
   }
   placido_memory_free(folds);

@@ -7,7 +7,7 @@
 
 /* Lengths of an instrument that looks at a cornea: far wider than any that was built, and far from
  * those of one whose file is in metres or micrometres. */
-#define MIRE_LEAST_MM 1.0   /* radius of the widest edge */
+#define MIRE_LEAST_MM 1.0 /* radius of the widest edge */
 #define MIRE_MOST_MM 1000.0
 #define CAMERA_LEAST_MM 5.0 /* from the cornea */
 #define CAMERA_MOST_MM 5000.0
@@ -30,8 +30,7 @@ static int check_instrument(const placido_instrument *in, double axis_z_mm, plac
                              "are expected: are its lengths in millimetres?",
                              widest_mm, MIRE_LEAST_MM, MIRE_MOST_MM);
   }
-  if (in->model == PLACIDO_PINHOLE &&
-      !(away_mm >= CAMERA_LEAST_MM && away_mm <= CAMERA_MOST_MM)) {
+  if (in->model == PLACIDO_PINHOLE && !(away_mm >= CAMERA_LEAST_MM && away_mm <= CAMERA_MOST_MM)) {
     return placido_error_set(err, PLACIDO_INPUT,
                              "the camera stands %g mm from the cornea, %g to %g mm are expected: "
                              "are the instrument's lengths and the distance in millimetres?",
@@ -69,19 +68,20 @@ static int check_point(const placido_mires *mires, const placido_instrument *ins
   }
   double turn = p->meridian_deg / 360 * mires->meridian_count;
   if (!(turn >= 0 && turn < mires->meridian_count - 0.5)) {
-    return placido_error_set(err, PLACIDO_INPUT,
-                             "edge point %zu (edge %d) lies on a meridian of %g degrees: one of the "
-                             "%d from 0 to below 360 is expected",
-                             i, p->edge, p->meridian_deg, mires->meridian_count);
+    return placido_error_set(
+        err, PLACIDO_INPUT,
+        "edge point %zu (edge %d) lies on a meridian of %g degrees: one of the "
+        "%d from 0 to below 360 is expected",
+        i, p->edge, p->meridian_deg, mires->meridian_count);
   }
   long place = (long)p->edge * mires->meridian_count + lrint(turn);
   if (place <= *last) {
-    return placido_error_set(err, PLACIDO_INPUT,
-                             "edge point %zu (edge %d, %g degrees) %s: one point of an edge on each "
-                             "of %d meridians is expected, in order of edges, then meridians",
-                             i, p->edge, p->meridian_deg,
-                             place == *last ? "stands twice" : "stands behind later ones",
-                             mires->meridian_count);
+    return placido_error_set(
+        err, PLACIDO_INPUT,
+        "edge point %zu (edge %d, %g degrees) %s: one point of an edge on each "
+        "of %d meridians is expected, in order of edges, then meridians",
+        i, p->edge, p->meridian_deg, place == *last ? "stands twice" : "stands behind later ones",
+        mires->meridian_count);
   }
   *last = place;
   return PLACIDO_OK;

@@ -2,6 +2,7 @@
  * is is explored on every third meridian, coarse to fine; so are other numberings of all mires. */
 #include "base/memory.h"
 #include "reconstruct/solve/doubt/numbering.h"
+#include "reconstruct/solve/engine/prolong.h"
 #include "reconstruct/solve/errors/noise.h"
 #include "reconstruct/solve/solution.h"
 #include "reconstruct/solve/warm.h"
@@ -11,9 +12,8 @@
 #define MARGIN_MM 0.6 /* of spline beyond the outermost point */
 #define EXPLORE_STRIDE 3
 #define GAIN 0.85 /* finer knots must bring the spread below this share of what it was */
-#define MISFIT_FAR                                                                                 \
-  2.5 /* spread over rough noise at which the next finer knots would not do: they about halve it   \
-       */
+/* Spread over rough noise at which the next finer knots would not do: they about halve it. */
+#define MISFIT_FAR 2.5
 #define SHIFTED 0.6        /* of the spread, which another numbering of all mires must stay below */
 #define SETTLED_TO_CUT 0.1 /* what is left is a small part of an outlier's distance */
 #define POINTS_PLENTY 4.0  /* a coefficient: what these tell is good enough to cut by */
@@ -53,23 +53,48 @@ static size_t thin_out(placido_sample *some, const placido_solution *p) {
   return few;
 }
 
+/* Refines on a grid from where the one on coarser knots ended, if there is one: from the conicoid
+ * alone fine knots find folds where there are none. */
+static int refine_from(placido_refinement *finer, const placido_refinement *coarse,
+                       const placido_solution *p, const placido_grid *grid,
+                       placido_sightlines *rays, placido_error *err) {
+  int status = refinement_of(finer, p, grid, rays, err);
+  if (!status && coarse->coefficients) {
+    status = placido_grid_prolong(finer->coefficients, grid, coarse->coefficients,
+                                  coarse->shape.grid, err);
+  }
+  return status ? status : placido_refinement_run(finer, PLACIDO_SETTLED_ROUGHLY, err);
+}
+
+/* The knot spacings to try one after the other; returns how many. The caller's own comes behind the
+ * coarsest, from which finer ones start. */
+static int list_knots(double knots_mm[KNOT_CHOICES], double asked_mm) {
+  int count = 0;
+  for (int i = 0; i < KNOT_CHOICES; i++) {
+    if (asked_mm == 0 || (i == 0 && asked_mm < KNOTS_MM[0])) {
+      knots_mm[count++] = KNOTS_MM[i];
+    }
+  }
+  if (asked_mm > 0) {
+    knots_mm[count++] = asked_mm;
+  }
+  return count;
+}
+
 /* Chooses the grid: knots as fine as the samples ask for, or as the caller asked. Finer knots that
  * do not help are given up again: then it is the instrument's geometry that does not fit, not the
  * spline. Leaves the chosen grid's refinement, where the one of all samples starts. */
 static int explore(placido_refinement *coarse, placido_grid *grid, placido_solution *p,
                    placido_sightlines *rays, placido_error *err) {
-  double asked = p->options ? p->options->knot_mm : 0;
+  double asked = p->options ? p->options->knot_mm : 0, knots_mm[KNOT_CHOICES];
   placido_refinement finer = {0};
   placido_grid finer_grid;
-  int choices = asked > 0 ? 1 : KNOT_CHOICES, status = PLACIDO_OK;
+  int choices = list_knots(knots_mm, asked), status = PLACIDO_OK;
   for (int choice = 0; choice < choices && !status; choice++) {
-    finer_grid = placido_grid_covering(p->reach_mm + MARGIN_MM,
-                                       asked > 0 ? asked : KNOTS_MM[choice], degree_of(p->options));
-    status = refinement_of(&finer, p, &finer_grid, rays, err);
-    if (!status) {
-      status = placido_refinement_run(&finer, PLACIDO_SETTLED_ROUGHLY, err);
-    }
-    if (status || (choice && finer.sigma_px > GAIN * coarse->sigma_px)) {
+    finer_grid = placido_grid_covering(p->reach_mm + MARGIN_MM, knots_mm[choice],
+                                       degree_of(p->options));
+    status = refine_from(&finer, coarse, p, &finer_grid, rays, err);
+    if (status || (choice && asked == 0 && finer.sigma_px > GAIN * coarse->sigma_px)) {
       break;
     }
     placido_refinement_free(coarse);
@@ -84,10 +109,10 @@ static int explore(placido_refinement *coarse, placido_grid *grid, placido_solut
       p->coarse_px = coarse->sigma_px;
       p->misfit = coarse->sigma_px / rough;
     }
-    if (coarse->sigma_px < PLACIDO_MISFIT * rough) {
+    if (asked == 0 && coarse->sigma_px < PLACIDO_MISFIT * rough) {
       break;
     }
-    choice += coarse->sigma_px > MISFIT_FAR * rough && choice + 2 < choices;
+    choice += asked == 0 && coarse->sigma_px > MISFIT_FAR * rough && choice + 2 < choices;
   }
   placido_refinement_free(&finer);
   return status;
@@ -148,7 +173,7 @@ int placido_solution_spline(placido_solution *p, placido_grid *grid, placido_err
   return status;
 }
 
-/* The spread that the coarsest knots leave if all numbers are `shift` larger; INFINITY where there
+/* The spread that the first knots of all leave if all numbers are `shift` larger; INFINITY where there
  * is no such cornea. */
 static int try_shift(double *spread_px, const placido_solution *p, int shift, placido_error *err) {
   placido_mires mires;
@@ -158,6 +183,8 @@ static int try_shift(double *spread_px, const placido_solution *p, int shift, pl
                         .options = p->options,
                         .threads = p->threads};
   placido_grid grid;
+  double knots_mm[KNOT_CHOICES];
+  list_knots(knots_mm, p->options ? p->options->knot_mm : 0);
   *spread_px = INFINITY;
   int status = placido_numbering_shifted(&mires, p->mires, shift, EXPLORE_STRIDE, err);
   q.count = status ? 0 : mires.count;
@@ -167,7 +194,7 @@ static int try_shift(double *spread_px, const placido_solution *p, int shift, pl
       (status = placido_solution_base(&q, err))) {
     goto done;
   }
-  grid = placido_grid_covering(q.reach_mm + MARGIN_MM, KNOTS_MM[0], degree_of(p->options));
+  grid = placido_grid_covering(q.reach_mm + MARGIN_MM, knots_mm[0], degree_of(p->options));
   status = refinement_of(&q.refinement, &q, &grid, &q.rays, err);
   if (!status && !(status = placido_refinement_run(&q.refinement, PLACIDO_SETTLED_ROUGHLY, err))) {
     *spread_px = q.refinement.sigma_px;

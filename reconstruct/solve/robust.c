@@ -7,6 +7,9 @@
 
 #define CUT_MOST 0.3 /* share of the points: more means that the model is wrong, not the points */
 #define CUT_MANY 0.1 /* share that the user is told of */
+#define CUTS 2       /* rounds of cutting and fitting again */
+#define CUTS_MOST 6  /* and where points that were kept lie far off still */
+#define ROUGH 2.0    /* their root mean square over their robust spread: noise leaves 1 */
 
 /* A fold leaves a small residual and a wrong surface; it shows in points that do not fit together
  * with edges that cannot be numbered. Lashes give the one, a broken tear film the other. Where
@@ -30,7 +33,22 @@ double placido_solution_settled(const placido_fit_options *options, double usual
   return tolerance > 0 ? tolerance * tolerance : usual;
 }
 
-/* Cuts the outliers and fits again until that changes nothing, at most twice. */
+/* Whether a few of the points that were kept are no noise. */
+static bool is_rough(const placido_solution *p) {
+  double sum = 0;
+  size_t used = 0;
+  for (size_t i = 0; i < p->count; i++) {
+    const placido_sample *s = &p->samples[i];
+    if (s->used && !isnan(s->residual_px)) {
+      sum += s->residual_px * s->residual_px;
+      used++;
+    }
+  }
+  return sqrt(sum / (double)used) > ROUGH * p->refinement.sigma_px;
+}
+
+/* Cuts the outliers and fits again until that changes nothing, at most twice unless something is
+ * far off. */
 int placido_solution_robust(placido_solution *p, placido_grid *grid, placido_notes *notes,
                             placido_error *err) {
   placido_refinement *r = &p->refinement;
@@ -49,7 +67,8 @@ int placido_solution_robust(placido_solution *p, placido_grid *grid, placido_not
   if (!status) {
     placido_refinement_trace(r);
   }
-  for (int pass = 0; pass < 2 && changed && !status; pass++) {
+  for (int pass = 0; changed && !status && (pass < CUTS || (pass < CUTS_MOST && is_rough(p)));
+       pass++) {
     status = placido_outliers_cut(p->samples, p->count, r->work, &cut, &changed, err);
     if (!status && (double)cut > CUT_MOST * (double)p->count) {
       status = placido_error_set(err, PLACIDO_QUALITY,

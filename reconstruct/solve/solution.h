@@ -9,9 +9,9 @@
 #define PLACIDO_POINTS_MIN 200 /* fewer make no cornea */
 
 /* Relative fall of the cost at which an iteration ends. In the last one 2e-4 is a few units of chi
- * square, far less than the hundreds of unknowns scatter by. The cost is about the residuals' sum of
- * squares, and at its minimum a step that moves them by a share of their noise makes it fall by the
- * square of that share. */
+ * square, far less than the hundreds of unknowns scatter by. The cost is about the residuals' sum
+ * of squares, and at its minimum a step that moves them by a share of their noise makes it fall by
+ * the square of that share. */
 #define PLACIDO_SETTLED 2e-4
 #define PLACIDO_SETTLED_ROUGHLY 1e-2
 

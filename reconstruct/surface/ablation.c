@@ -15,7 +15,7 @@ struct ablation {
   double r0, r1;      /* before and after */
   double apart;       /* r0 - r1 */
   double offset;      /* makes the profile start the blend at the rim's height */
-  double rim, second; /* the blend is (1 - t)³ (rim (1 + t) + second t² / 2), t = (rho - zone) / blend */
+  double rim, second; /* the blend is (1 - t)³ (rim (1 + t) + second t² / 2), its t from 0 to 1 */
 };
 
 static const placido_part_field fields[] = {

@@ -91,7 +91,8 @@ static void add_up(const struct zernike *z, int m, double s, double cosine[3], d
     for (int d = 0; d < 3; d++) {
       cosine[d] += z->cosine[m][k] * now[d];
       sine[d] += z->sine[m][k] * now[d];
-      next[d] = factor * now[d] + (d > 0 ? d * step.by_s * now[d - 1] : 0) - step.before * before[d];
+      double raised = d > 0 ? d * step.by_s * now[d - 1] : 0;
+      next[d] = factor * now[d] + raised - step.before * before[d];
     }
     memcpy(before, now, sizeof before);
     memcpy(now, next, sizeof now);

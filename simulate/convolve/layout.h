@@ -23,8 +23,8 @@ typedef struct placido_layout {
 } placido_layout;
 
 /* The tiles that take the least time among those of at most `bytes_max` when padded to at least
- * `padded_least` samples a side; where no tile is that small, the smallest. Depends on nothing but its arguments. Overlap-save: Oppenheim and
- * Schafer, Discrete-Time Signal Processing, 8.7.3. */
+ * `padded_least` samples a side; where no tile is that small, the smallest. Depends on nothing but
+ * its arguments. Overlap-save: Oppenheim and Schafer, Discrete-Time Signal Processing, 8.7.3. */
 placido_layout placido_layout_find(int width, int height, int reach, double bytes_max,
                                    int padded_least, size_t sample_bytes);
 

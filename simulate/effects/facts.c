@@ -253,6 +253,9 @@ int placido_facts_find(placido_facts *facts, const placido_scene *scene, placido
                              scene->name, image->width_px, image->height_px, image->planes);
   }
   int status = placido_scene_check_light(scene, err);
+  if (status == PLACIDO_OK) {
+    status = placido_scene_check_depth(scene, err);
+  }
   if (status != PLACIDO_OK) {
     return status;
   }

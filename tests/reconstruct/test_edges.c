@@ -186,10 +186,11 @@ static void edges_are_where_they_say(void **state) {
   placido_frame_free(&clean);
 }
 
-/* A Gaussian of standard deviation s averages noise over 2 √π s pixels: errors go with s^-1/2. On the
- * 40 % of the meridians that run aslant the kernel is the narrow one, whose variance at 2 px is 2.2
- * and not 4, and blurs the edge by 1 px² besides, from 2.6: errors there are 1.16 × 1.09 times as
- * large; and 0.02 px are the renderer's own (above). Within a quarter. One pixel is the default. */
+/* A Gaussian of standard deviation s averages noise over 2 √π s pixels: errors go with s^-1/2. On
+ * the 40 % of the meridians that run aslant the kernel is the narrow one, whose variance at 2 px is
+ * 2.2 and not 4, and blurs the edge by 1 px² besides, from 2.6: errors there are 1.16 × 1.09 times
+ * as large; and 0.02 px are the renderer's own (above). Within a quarter. One pixel is the default.
+ * */
 static void a_wider_filter_averages_more(void **state) {
   (void)state;
   static const picture noisy = {"very noisy", "normal", "cone24", 1, 1.5, 6, 0, 0, 0, 0};

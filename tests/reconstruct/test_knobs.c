@@ -125,7 +125,8 @@ static void finer_knots_help_a_cubic_spline(void **state) {
   struct sight s = look_at("keratoconus");
   double error_um[2];
   for (int i = 0; i < 2; i++) {
-    placido_fit *fit = fit_of(&s, &s.exact, (placido_fit_options){.degree = 3, .knot_mm = i ? 0.25 : 0.5});
+    const placido_fit_options options = {.degree = 3, .knot_mm = i ? 0.25 : 0.5};
+    placido_fit *fit = fit_of(&s, &s.exact, options);
     error_um[i] = truth_compare(fit, s.eye, 0, 6).elevation_um;
     placido_fit_free(fit);
   }

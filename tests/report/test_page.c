@@ -183,6 +183,23 @@ static void the_error_budget_adds_up(void **state) {
   placido_memory_free(text);
 }
 
+static void what_was_promised_stands_beside_what_was_found(void **state) {
+  const placido_report_accuracy accuracy = {.elevation_um = {0.5, 0.081, 0.19},
+                                            .psf = {NAN, NAN, NAN},
+                                            .time_ms = {NAN, 812, 790},
+                                            .settings = "Settings chosen: <knots>",
+                                            .table = "By your table."};
+  placido_report report = {.accuracy = &accuracy};
+  char *text = write_report(state, &report);
+  assert_non_null(strstr(text, "<h2>Accuracy</h2>"));
+  assert_non_null(strstr(text, "<td class=\"number\">0.50</td><td class=\"number\">0.081</td>"
+                               "<td class=\"number\">0.19</td>"));
+  assert_non_null(strstr(text, "<td class=\"number\">–</td><td class=\"number\">812</td>"));
+  assert_null(strstr(text, "Transfer function")); /* neither asked for nor promised */
+  assert_non_null(strstr(text, "&lt;knots&gt;"));
+  placido_memory_free(text);
+}
+
 static void the_wavefront_has_a_column_a_pupil(void **state) {
   size_t figure_count;
   placido_wavefront_figures(&figure_count);
@@ -348,6 +365,7 @@ int main(void) {
       SCRATCH_TEST(figures_are_shown_with_their_errors),
       SCRATCH_TEST(indices_stand_in_groups),
       SCRATCH_TEST(the_error_budget_adds_up),
+      SCRATCH_TEST(what_was_promised_stands_beside_what_was_found),
       SCRATCH_TEST(the_wavefront_has_a_column_a_pupil),
       SCRATCH_TEST(a_plan_is_a_table_of_every_effect),
       SCRATCH_TEST(pictures_are_embedded_and_nothing_else_is_referred_to),

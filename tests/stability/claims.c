@@ -1,6 +1,6 @@
 /* Each quantity is taken as the examination takes it (acquire/cli/measure.c, wavefront.c, see.c,
  * acuity.c), once from the fit and once from the truth: wavefronts by the same rays and against the
- * same sphere, images through the same lens and on the same retina, which were found for the fit. */
+ * same sphere, images through the same lens and on the same retina, found for the fit. */
 #include "tests/stability/claims.h"
 
 #include "tests/support/near.h"

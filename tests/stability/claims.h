@@ -21,7 +21,7 @@ enum claim {
   CLAIMS
 };
 
-/* One quantity of one eye. Where it has several values all are means over them. NaN: it has none. */
+/* One quantity of one eye. Where it has several values all are means of them; NaN: none. */
 struct claim_result {
   double square;  /* of error over sigma */
   double within;  /* share within 1 sigma */

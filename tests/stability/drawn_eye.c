@@ -1,7 +1,7 @@
 /* The families' numbers: radii and asphericities of healthy eyes vary by 0.25 mm and 0.12; cones of
  * 3 D to grade IV (J. L. Alió, M. H. Shabayek, J. Refract. Surg. 22 (2006) 539); higher orders some
- * 0.15 um of the wavefront a term (Salmon and van de Pol 2006), three times that of sag; ablations of
- * 1 to 8 D. */
+ * 0.15 um of the wavefront a term (Salmon and van de Pol 2006), three times that of sag; ablations
+ * of 1 to 8 D. */
 #include "tests/stability/drawn_eye.h"
 
 #include "base/random.h"
@@ -29,7 +29,11 @@ struct family {
 };
 
 static const struct family families[DRAWN_FAMILIES] = {
-    {.name = "conicoid", .share = 24, .radius_mm = {7.3, 8.3}, .q = {-0.5, 0.1}, .off_mm = {0, 0.1}},
+    {.name = "conicoid",
+     .share = 24,
+     .radius_mm = {7.3, 8.3},
+     .q = {-0.5, 0.1},
+     .off_mm = {0, 0.1}},
     {.name = "toric",
      .share = 26,
      .radius_mm = {7.4, 8.3},

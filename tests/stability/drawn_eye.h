@@ -1,5 +1,6 @@
-/* Eyes drawn at random and how they are seen: a cornea of one of some families, a topographer that is
- * not quite what its file says, a distance that is not quite known, noise, and mires that are hidden. */
+/* Eyes drawn at random and how they are seen: a cornea of one of some families, a topographer that
+ * is not quite what its file says, a distance that is not quite known, noise, and mires that are
+ * hidden. */
 #ifndef PLACIDO_TESTS_STABILITY_DRAWN_EYE_H
 #define PLACIDO_TESTS_STABILITY_DRAWN_EYE_H
 

@@ -49,8 +49,8 @@ void exact_compare_value(struct exact_worst *worst, const struct exact *exact, q
   quad place = place_of(value == 0 ? amplification : value, exact->unit);
   quad least = place_of(0, exact->unit); /* an underflow is an error of half of that */
   double error = (double)(fabsq(computed - value) / place);
-  double bound = (double)((exact->roundings / (quad)2 * (exact->unit * amplification + least)) /
-                          place);
+  double bound =
+      (double)((exact->roundings / (quad)2 * (exact->unit * amplification + least)) / place);
   double share = error / bound;
   worst->count++;
   if (worst->count == 1 || !(share <= worst->share)) {

@@ -3,8 +3,8 @@
  *
  * Every operation rounds by at most half a unit, u. A computation of k operations is as good as its
  * problem allows where its error is what k roundings of every number that goes in, and as many of
- * what comes out, would make of it (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed.,
- * 1.6 and 3.1):
+ * what comes out, would make of it (Higham, Accuracy and Stability of Numerical Algorithms, 2nd
+ * ed., 1.6 and 3.1):
  *
  *   |error| <= k u (Σ |x_i ∂f/∂x_i| + |f|)
  *

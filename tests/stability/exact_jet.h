@@ -1,5 +1,5 @@
-/* A function of x and y with its first and second derivatives, in extended precision: what a formula
- * for the value alone is enough for, by the rules of differentiation. */
+/* A function of x and y with its first and second derivatives, in extended precision: what a
+ * formula for the value alone is enough for, by the rules of differentiation. */
 #ifndef PLACIDO_TESTS_STABILITY_EXACT_JET_H
 #define PLACIDO_TESTS_STABILITY_EXACT_JET_H
 

@@ -13,10 +13,17 @@
 #define FITS_NOISE_PX 0.02 /* of an edge in a good picture */
 
 #define FITS_CONIC(r, q, x, y)                                                                     \
-  {.kind = PLACIDO_PART_BICONIC, .as.biconic = {r, q, r, q, 0, x, y}}
+  {                                                                                                \
+    .kind = PLACIDO_PART_BICONIC, .as.biconic = { r, q, r, q, 0, x, y }                            \
+  }
 #define FITS_TORIC                                                                                 \
-  {.kind = PLACIDO_PART_BICONIC, .as.biconic = {7.9, -0.2, 7.6, -0.3, 15, 0.1, -0.1}}
-#define FITS_CONE(h, s, x, y) {.kind = PLACIDO_PART_BUMP, .as.bump = {h, s, s, x, y, 0}}
+  {                                                                                                \
+    .kind = PLACIDO_PART_BICONIC, .as.biconic = { 7.9, -0.2, 7.6, -0.3, 15, 0.1, -0.1 }            \
+  }
+#define FITS_CONE(h, s, x, y)                                                                      \
+  {                                                                                                \
+    .kind = PLACIDO_PART_BUMP, .as.bump = { h, s, s, x, y, 0 }                                     \
+  }
 
 /* The chance that errors which are as large as claimed go beyond fits_bound() somewhere. */
 #define FITS_CHANCE 1e-3
@@ -25,7 +32,7 @@
 typedef struct fits_eye {
   placido_instrument instrument;
   placido_surface *truth;
-  placido_mires mires;  /* of all points */
+  placido_mires mires; /* of all points */
   double axis_z_mm;
   double truncation_um; /* what the spline cannot follow, see fits_truncation_um; 0: nothing */
 } fits_eye;
@@ -38,8 +45,8 @@ void fits_eye_free(fits_eye *eye);
 /* Error of the quintic spline itself: of the best one with knots every h it is at most
  * 1.32e-3 h^6 |f| along a line (Favard: K6/pi^6), twice that in two dimensions, and one fitted
  * by least squares is off by at most 1 + 4.2 times the best (the largest sum of |weights| of the
- * data, 2.05 along a line by the Gram matrix of the B-splines on even knots, squared). `sixth` is the
- * largest sixth derivative of the sag, mm^-5. */
+ * data, 2.05 along a line by the Gram matrix of the B-splines on even knots, squared). `sixth` is
+ * the largest sixth derivative of the sag, mm^-5. */
 double fits_truncation_um(double sixth, double knot_mm);
 
 /* Which of an eye's points are left; free with placido_mires_free. */
@@ -50,13 +57,13 @@ placido_mires fits_some(const fits_eye *eye, fits_choice *keep, double share);
  * mean within 3 mm, as their error bars do. */
 typedef struct fits_error {
   size_t points;
-  double covered;           /* share of that disc */
-  double over_sigma;        /* the largest |error| less truncation, over the claimed sigma, of
-                               elevation and axial power */
-  size_t open_points;       /* of the rest of the disc where there is a surface */
-  double open_over_sigma;   /* the same there */
+  double covered;         /* share of that disc */
+  double over_sigma;      /* the largest |error| less truncation, over the claimed sigma, of
+                             elevation and axial power */
+  size_t open_points;     /* of the rest of the disc where there is a surface */
+  double open_over_sigma; /* the same there */
   double worst_um, rms_um;
-  double sigma_um;          /* the median of the claimed ones */
+  double sigma_um; /* the median of the claimed ones */
 } fits_error;
 
 fits_error fits_compare(const placido_fit *fit, const fits_eye *eye);
@@ -70,8 +77,8 @@ double fits_bound(size_t points);
  */
 double fits_difference(const placido_fit *a, const placido_fit *b);
 
-/* Adds the row of a fit whose errors over the covered part must stay below fits_bound, or below that
- * and `more` sigmas. */
+/* Adds the row of a fit whose errors over the covered part must stay below fits_bound, or below
+ * that and `more` sigmas. */
 void fits_add(const char *name, const placido_fit *fit, const fits_error *e, double more,
               double perturbation, const char *unit);
 

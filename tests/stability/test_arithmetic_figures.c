@@ -1,5 +1,5 @@
 /* Formulas of single numbers against extended precision: curvatures where they are nearly 0 / 0,
- * lenses, the nodes of a quadrature, colours, and light spread by angle. */
+ * lenses, optical paths, the nodes of a quadrature, colours, and light spread by angle. */
 #include "tests/stability/exact.h"
 #include "tests/stability/table.h"
 
@@ -12,6 +12,7 @@
 #include <placido/eye.h>
 #include <placido/image.h>
 #include <placido/map.h>
+#include <placido/wavefront.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -113,8 +114,9 @@ static void the_limit_on_the_axis(void **state) {
   stability_add(&row);
 }
 
-/* Inputs: M, J0, J45, and how much nearer the lens is, mm; 0 to 2 the moved lens, F (1 - d F)^-1 with F
- * as a matrix, whose part without a trace is F's over the determinant; 3 to 5 sphere, cylinder, axis. */
+/* Inputs: M, J0, J45, and how much nearer the lens is, mm; 0 to 2 the moved lens, F (1 - d F)^-1
+ * with F as a matrix, whose part without a trace is F's over the determinant; 3 to 5 sphere,
+ * cylinder, axis. */
 static quad lens(const quad *p, const void *which) {
   quad half = hypotq(p[1], p[2]), d = p[3] / 1000;
   quad a = 1 - d * (p[0] + p[1]), b = -d * p[2], c = 1 - d * (p[0] - p[1]);
@@ -122,13 +124,13 @@ static quad lens(const quad *p, const void *which) {
   quad xx = ((p[0] + p[1]) * c - p[2] * b) / determinant;
   quad yy = (-p[2] * b + (p[0] - p[1]) * a) / determinant;
   quad axis = atan2q(p[2], p[1]) * 90 / exact_pi();
-  const quad all[6] = {(xx + yy) / 2, p[1] / determinant, p[2] / determinant, p[0] + half, -2 * half,
-                       axis < 0 ? axis + 180 : axis};
+  const quad all[6] = {(xx + yy) / 2, p[1] / determinant, p[2] / determinant,
+                       p[0] + half,   -2 * half,          axis < 0 ? axis + 180 : axis};
   return all[*(const int *)which];
 }
 
-/* The half cylinder takes 1 rounding, a meridian's power 1, its way 4, the rest 6. Sphere and cylinder
- * 2, the axis 4. */
+/* The half cylinder takes 1 rounding, a meridian's power 1, its way 4, the rest 6. Sphere and
+ * cylinder 2, the axis 4. */
 static void lenses(void **state) {
   (void)state;
   static const struct {
@@ -200,8 +202,8 @@ static void quadratures(void **state) {
       double radius = x[ring * 3 * n];
       /* of numbers between -1 and 1: the radius squared is half of 1 less one of them */
       exact_compare_value(&worst[0], &exact[0], (1 - node) / 2, 1, radius * radius);
-      exact_compare_value(&worst[1], &exact[1], share / (3 * n), share / (3 * n) / (1 - node * node),
-                          weight[ring * 3 * n]);
+      exact_compare_value(&worst[1], &exact[1], share / (3 * n),
+                          share / (3 * n) / (1 - node * node), weight[ring * 3 * n]);
     }
     exact_row(&exact[0], &worst[0]);
     exact_row(&exact[1], &worst[1]);
@@ -211,12 +213,14 @@ static void quadratures(void **state) {
 
 static quad to_linear(const quad *p, const void *context) {
   (void)context;
-  return p[0] <= EXACT(0.04045) ? p[0] / EXACT(12.92) : powq((p[0] + EXACT(0.055)) / EXACT(1.055), EXACT(2.4));
+  return p[0] <= EXACT(0.04045) ? p[0] / EXACT(12.92)
+                                : powq((p[0] + EXACT(0.055)) / EXACT(1.055), EXACT(2.4));
 }
 
 static quad to_srgb(const quad *p, const void *context) {
   (void)context;
-  return p[0] <= EXACT(0.0031308) ? p[0] * EXACT(12.92) : EXACT(1.055) * powq(p[0], 1 / EXACT(2.4)) - EXACT(0.055);
+  return p[0] <= EXACT(0.0031308) ? p[0] * EXACT(12.92)
+                                  : EXACT(1.055) * powq(p[0], 1 / EXACT(2.4)) - EXACT(0.055);
 }
 
 /* Constants rounded to float count as much as operations: 0.055, 1.055, sum, quotient, 2.4, power:
@@ -255,11 +259,13 @@ static void colours(void **state) {
 static quad glare(const quad *p, const void *context) {
   (void)context;
   quad t = p[0], a = powq(p[1] / 70, 4), f = p[2];
-  quad first = 1 + powq(t / EXACT(0.0046), 2), second = 1 + powq(t / EXACT(0.045), 2), wide = 1 + powq(t / EXACT(0.1), 2);
+  quad first = 1 + powq(t / EXACT(0.0046), 2), second = 1 + powq(t / EXACT(0.045), 2),
+       wide = 1 + powq(t / EXACT(0.1), 2);
   quad core = EXACT(9.2e6) / powq(first, EXACT(1.5)) + EXACT(1.5e5) / powq(second, EXACT(1.5));
   quad scatter = 400 / wide + EXACT(3e-8) * t * t;
   quad pigmented = f * (1300 / powq(wide, EXACT(1.5)) + EXACT(0.8) / sqrtq(wide));
-  return ((1 - EXACT(0.08) * a) * core + (1 + EXACT(1.6) * a) * (scatter + pigmented) + EXACT(2.5e-3) * f) /
+  return ((1 - EXACT(0.08) * a) * core + (1 + EXACT(1.6) * a) * (scatter + pigmented) +
+          EXACT(2.5e-3) * f) /
          (1 + f * (EXACT(0.0417) + EXACT(0.055) * a));
 }
 
@@ -276,6 +282,66 @@ static void light_by_angle(void **state) {
   exact_row(&exact, &worst);
 }
 
+enum {
+  PATH_X,
+  PATH_Y,
+  PATH_RADIUS,
+  PATH_INDEX,
+  FOCUS_X,
+  FOCUS_Y,
+  FOCUS_Z,
+  WORN_M,
+  WORN_J0,
+  WORN_J45,
+  PATH_INPUTS
+};
+
+static quad path(const quad *p, quad x, quad y) {
+  quad square = x * x + y * y, radius = p[PATH_RADIUS];
+  quad depth = square / (radius + sqrtq(radius * radius - square));
+  quad dx = x - p[FOCUS_X], dy = y - p[FOCUS_Y], dz = depth - p[FOCUS_Z];
+  quad lens = p[WORN_M] * square + p[WORN_J0] * (x * x - y * y) + 2 * p[WORN_J45] * x * y;
+  return depth + p[PATH_INDEX] * sqrtq(dx * dx + dy * dy + dz * dz) - lens / 2000;
+}
+
+/* In micrometres, for a pupil about the axis of a sphere. */
+static quad path_difference(const quad *p, const void *context) {
+  (void)context;
+  return 1000 * (path(p, 0, 0) - path(p, p[PATH_X], p[PATH_Y]));
+}
+
+/* Depth 8 roundings, the distance's difference 12, the lens 8, the sum 4. */
+static void paths(void **state) {
+  (void)state;
+  static const struct {
+    const char *name;
+    double pupil_mm;
+    placido_correction lens;
+  } cases[] = {{"path difference, 6 mm pupil", 6, {0, 0, 0}},
+               {"path difference behind a lens", 5, {-3, 0.5, -0.25}},
+               {"path difference, 0.3 mm pupil", 0.3, {0, 0, 0}}};
+  const placido_part part = {.kind = PLACIDO_PART_BICONIC, .as.biconic = {7.8, 0, 7.8, 0, 0, 0, 0}};
+  placido_surface *surface;
+  assert_int_equal(placido_surface_new(&surface, 0, 6, &part, 1, NULL, NULL), PLACIDO_OK);
+  for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+    const struct exact exact = {cases[c].name, path_difference, PATH_INPUTS, 32, DBL_EPSILON};
+    struct exact_worst worst = {0};
+    const placido_eye eye = {.pupil_mm = cases[c].pupil_mm, .correction = cases[c].lens};
+    placido_wavefront w;
+    assert_int_equal(placido_wavefront_new(&w, surface, &eye, NULL, NULL, NULL), PLACIDO_OK);
+    for (size_t i = 0; i < w.count; i++) {
+      const double in[PATH_INPUTS] = {w.x_mm[i],          w.y_mm[i],         7.8,
+                                      w.eye.index,        w.focus_mm[0],     w.focus_mm[1],
+                                      w.focus_mm[2],      cases[c].lens.m_D, cases[c].lens.j0_D,
+                                      cases[c].lens.j45_D};
+      exact_compare(&worst, &exact, in, NULL, w.opd_um[i]);
+    }
+    exact_row(&exact, &worst);
+    placido_wavefront_free(&w);
+  }
+  placido_surface_free(surface);
+}
+
 static void every_error_is_within(void **state) {
   (void)state;
   assert_int_equal(stability_print("arithmetic: figures"), 0);
@@ -283,10 +349,10 @@ static void every_error_is_within(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curvatures),     cmocka_unit_test(the_limit_on_the_axis),
-      cmocka_unit_test(lenses),         cmocka_unit_test(quadratures),
-      cmocka_unit_test(colours),        cmocka_unit_test(light_by_angle),
-      cmocka_unit_test(every_error_is_within),
+      cmocka_unit_test(curvatures), cmocka_unit_test(the_limit_on_the_axis),
+      cmocka_unit_test(lenses),     cmocka_unit_test(quadratures),
+      cmocka_unit_test(colours),    cmocka_unit_test(light_by_angle),
+      cmocka_unit_test(paths),      cmocka_unit_test(every_error_is_within),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

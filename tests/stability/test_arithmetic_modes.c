@@ -125,8 +125,8 @@ static void nothing_is_untrue(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(at_first),     cmocka_unit_test(after_opencv),
-      cmocka_unit_test(after_fftw),   cmocka_unit_test(after_ffmpeg),
+      cmocka_unit_test(at_first),          cmocka_unit_test(after_opencv),
+      cmocka_unit_test(after_fftw),        cmocka_unit_test(after_ffmpeg),
       cmocka_unit_test(nothing_is_untrue),
   };
   return cmocka_run_group_tests(tests, scratch_setup, scratch_teardown);

@@ -1,4 +1,5 @@
-/* Zernike's polynomials up to order 15 and B-splines against their formulas in extended precision. */
+/* Zernike's polynomials up to order 15 and B-splines against their formulas in extended precision.
+ */
 #include "tests/stability/exact_jet.h"
 #include "tests/stability/table.h"
 
@@ -33,10 +34,10 @@ struct term {
   int n, m, which;
 };
 
-/* N Σ (-1)^k (n - k)! / (k! ((n + m)/2 - k)! ((n - m)/2 - k)!) ρ^(n - 2k) times cos(m θ) or sin(m θ),
- * as powers of x and y: ρ^m cos(m θ) + i ρ^m sin(m θ) = (x + iy)^m. Inputs: radius, x, y, and by how
- * much the axes are turned, plus 1: rounding may turn them, too, which is all that tells how near to 0
- * a derivative can come that is 0 by symmetry. */
+/* N Σ (-1)^k (n - k)! / (k! ((n + m)/2 - k)! ((n - m)/2 - k)!) ρ^(n - 2k) times cos(m θ) or sin(m
+ * θ), as powers of x and y: ρ^m cos(m θ) + i ρ^m sin(m θ) = (x + iy)^m. Inputs: radius, x, y, and
+ * by how much the axes are turned, plus 1: rounding may turn them, too, which is all that tells how
+ * near to 0 a derivative can come that is 0 by symmetry. */
 static quad zernike(const quad *p, const void *context) {
   const struct term *term = context;
   int m = abs(term->m), half = (term->n - m) / 2;
@@ -45,12 +46,13 @@ static quad zernike(const quad *p, const void *context) {
   exact_jet square = exact_sum(exact_product(x, x), exact_product(y, y));
   exact_jet radial = exact_constant(0), real = exact_constant(1), imaginary = exact_constant(0);
   for (int k = 0; k <= half; k++) {
-    quad share = factorial(term->n - k) / (factorial(k) * factorial((term->n + m) / 2 - k) *
-                                           factorial(half - k));
+    quad share = factorial(term->n - k) /
+                 (factorial(k) * factorial((term->n + m) / 2 - k) * factorial(half - k));
     radial = exact_sum(exact_product(radial, square), exact_constant(k % 2 ? -share : share));
   }
   for (int k = 0; k < m; k++) {
-    exact_jet turned = exact_sum(exact_product(real, x), exact_scaled(exact_product(imaginary, y), -1));
+    exact_jet turned =
+        exact_sum(exact_product(real, x), exact_scaled(exact_product(imaginary, y), -1));
     imaginary = exact_sum(exact_product(real, y), exact_product(imaginary, x));
     real = turned;
   }
@@ -58,8 +60,8 @@ static quad zernike(const quad *p, const void *context) {
   return sqrtq((m == 0 ? 1 : 2) * (quad)(term->n + 1)) * exact_of(&value, term->which);
 }
 
-static const double places[][2] = {{0, 0},       {1e-9, 2e-9}, {0.1, -0.3}, {0.5, 0.2},
-                                   {-0.7, 0.4},  {0.3, 0.93},  {-0.99, 0.1}, {0.6, 0.8},
+static const double places[][2] = {{0, 0},         {1e-9, 2e-9}, {0.1, -0.3},  {0.5, 0.2},
+                                   {-0.7, 0.4},    {0.3, 0.93},  {-0.99, 0.1}, {0.6, 0.8},
                                    {-0.28, -0.96}, {1, 0}};
 
 /* A term of frequency m takes 2 m roundings to (x + iy)^m, a polynomial in the square 2 a power,
@@ -70,7 +72,8 @@ static int roundings_of(int order, int which) {
 
 static void compare_terms(int first, int last) {
   const double radius_mm = 3.25;
-  static const char *const names[3] = {"Zernike part of order %d: sag", "Zernike part of order %d: slope",
+  static const char *const names[3] = {"Zernike part of order %d: sag",
+                                       "Zernike part of order %d: slope",
                                        "Zernike part of order %d: bends"};
   struct exact_worst worst[3] = {{0}};
   struct exact exact[3];
@@ -149,8 +152,8 @@ struct spline {
   double knots[KNOTS_MAX];
 };
 
-/* Basis function i of a degree and its derivatives, by the recurrence of Cox and de Boor: a jet in x
- * alone. */
+/* Basis function i of a degree and its derivatives, by the recurrence of Cox and de Boor: a jet in
+ * x alone. */
 static exact_jet basis(const struct spline *s, int i, int degree, quad x) {
   const double *k = s->knots;
   if (degree == 0) {
@@ -242,9 +245,9 @@ static void bsplines(void **state) {
     char names[3][64];
     placido_surface *surface;
     make_spline(&s, coefficients, degree);
-    const placido_part part = {.kind = PLACIDO_PART_BSPLINE,
-                               .as.bspline = {degree, COEFFICIENTS, COEFFICIENTS, s.knots, s.knots,
-                                              coefficients}};
+    const placido_part part = {
+        .kind = PLACIDO_PART_BSPLINE,
+        .as.bspline = {degree, COEFFICIENTS, COEFFICIENTS, s.knots, s.knots, coefficients}};
     assert_int_equal(placido_surface_new(&surface, 0, 20, &part, 1, NULL, NULL), PLACIDO_OK);
     for (int k = 0; k < 3; k++) {
       snprintf(names[k], sizeof names[k], "B-spline of degree %d: %s", degree, orders[k]);
@@ -255,7 +258,8 @@ static void bsplines(void **state) {
       double at[2], first = s.knots[degree], last = s.knots[COEFFICIENTS];
       for (int axis = 0; axis < 2; axis++) { /* every fifth on a knot, or as near as can be */
         at[axis] = first + (last - first) * (0.5 + 0.499 * sin(1.7 * i * (axis + 1) + axis));
-        at[axis] = i % 5 == axis ? nextafter(s.knots[degree + 1 + i % 6], i % 2 ? 9 : -9) : at[axis];
+        at[axis] =
+            i % 5 == axis ? nextafter(s.knots[degree + 1 + i % 6], i % 2 ? 9 : -9) : at[axis];
       }
       compare_spline(worst, exact, &s, coefficients, surface, at[0], at[1]);
     }

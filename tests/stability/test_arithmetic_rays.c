@@ -1,5 +1,5 @@
 /* What happens to a ray, against the textbooks' formulas in extended precision: the camera with its
- * distortion, the mirror and its derivatives, Snell's law, and the optical path. */
+ * distortion, the mirror and its derivatives, and Snell's law. */
 #include "tests/stability/exact_jet.h"
 #include "tests/stability/table.h"
 
@@ -9,7 +9,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <placido/wavefront.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -31,8 +30,8 @@ static void distort(quad out[2], quad slopes[2][2], const quad *k, quad x, quad 
   slopes[1][1] = radial + 2 * y * y * by_r2 + 6 * k[2] * y + 2 * k[3] * x;
 }
 
-/* Direction across, and its derivatives by u and v: x, y, x by u, y by u, x by v, y by v. Inputs: u,
- * v, focal lengths, principal point, k1 k2 p1 p2 k3. */
+/* Direction across, and its derivatives by u and v: x, y, x by u, y by u, x by v, y by v. Inputs:
+ * u, v, focal lengths, principal point, k1 k2 p1 p2 k3. */
 static quad camera(const quad *p, const void *which) {
   quad target[2] = {(p[0] - p[4]) / p[2], (p[1] - p[5]) / p[3]}, xy[2] = {target[0], target[1]};
   quad at[2], s[2][2], inverse[2][2] = {{0}};
@@ -94,20 +93,39 @@ static void cameras(void **state) {
   }
 }
 
-enum { RAY_Z, RAY_DX, RAY_DY, RAY_UX, RAY_UY, RAY_VX, RAY_VY, HIT_X, HIT_Y, HIT_Z, HIT_P, HIT_Q, HIT_XX,
-       HIT_XY, HIT_YY, EDGE_RADIUS, EDGE_Z, MIRROR_INPUTS };
+enum {
+  RAY_Z,
+  RAY_DX,
+  RAY_DY,
+  RAY_UX,
+  RAY_UY,
+  RAY_VX,
+  RAY_VY,
+  HIT_X,
+  HIT_Y,
+  HIT_Z,
+  HIT_P,
+  HIT_Q,
+  HIT_XX,
+  HIT_XY,
+  HIT_YY,
+  EDGE_RADIUS,
+  EDGE_Z,
+  MIRROR_INPUTS
+};
 
 enum { MISS, BY_Z, BY_P, BY_Q, BY_U, BY_V, BY_RADIUS, BY_HEIGHT, MISSES };
 
 /* F, and in x its derivative by what is changed, where the changed ray meets the changed patch
- * z + p x + q y + (xx x² + 2 xy x y + yy y²)/2 about the hit: one step of Newton's from the hit itself,
- * whose derivative is exact. */
+ * z + p x + q y + (xx x² + 2 xy x y + yy y²)/2 about the hit: one step of Newton's from the hit
+ * itself, whose derivative is exact. */
 static exact_jet miss_jet(const quad *in, int which) {
   const exact_jet none = exact_constant(0), change = {.x = 1};
   const quad *aside = which == BY_U ? in + RAY_UX : in + RAY_VX;
   bool image = which == BY_U || which == BY_V;
   quad far = in[RAY_Z] - in[HIT_Z];
-  exact_jet at[3], d[3], radius = exact_constant(in[EDGE_RADIUS]), height = exact_constant(in[EDGE_Z]);
+  exact_jet at[3], d[3], radius = exact_constant(in[EDGE_RADIUS]),
+                         height = exact_constant(in[EDGE_Z]);
   for (int i = 0; i < 3; i++) {
     quad turn = image && i < 2 ? aside[i] : 0;
     at[i] = exact_sum(exact_constant(in[HIT_X + i]), exact_scaled(change, far * turn));
@@ -126,10 +144,10 @@ static exact_jet miss_jet(const quad *in, int which) {
   }
   exact_jet ax = exact_sum(at[0], exact_constant(-in[HIT_X]));
   exact_jet ay = exact_sum(at[1], exact_constant(-in[HIT_Y]));
-  exact_jet p = exact_sum(exact_constant(in[HIT_P]), exact_sum(exact_scaled(ax, in[HIT_XX]),
-                                                               exact_scaled(ay, in[HIT_XY])));
-  exact_jet q = exact_sum(exact_constant(in[HIT_Q]), exact_sum(exact_scaled(ax, in[HIT_XY]),
-                                                               exact_scaled(ay, in[HIT_YY])));
+  exact_jet p = exact_sum(exact_constant(in[HIT_P]),
+                          exact_sum(exact_scaled(ax, in[HIT_XX]), exact_scaled(ay, in[HIT_XY])));
+  exact_jet q = exact_sum(exact_constant(in[HIT_Q]),
+                          exact_sum(exact_scaled(ax, in[HIT_XY]), exact_scaled(ay, in[HIT_YY])));
   p = exact_sum(p, which == BY_P ? change : none);
   q = exact_sum(q, which == BY_Q ? change : none);
   /* r = d - 2 (d·n) n / n² with n = (-p, -q, 1) */
@@ -193,11 +211,13 @@ static placido_miss miss_at(const double in[MIRROR_INPUTS]) {
   return placido_mirror_miss(&ray, &hit, &edge);
 }
 
-/* To n² 4 roundings, g 5, the ray 2, the point's share 3, the radius 3, the difference 2: 19. By slope
- * 15 more, by height and radius none or 3, along the ray 13 more, in the image 24 more than that. */
+/* To n² 4 roundings, g 5, the ray 2, the point's share 3, the radius 3, the difference 2: 19. By
+ * slope 15 more, by height and radius none or 3, along the ray 13 more, in the image 24 more than
+ * that. */
 static const int mirror_roundings[MISSES] = {19, 47, 34, 34, 71, 71, 14, 22};
-static const char *const mirror_names[MISSES] = {"miss", "by height", "by slope p", "by slope q",
-                                                 "by u", "by v", "by edge's radius", "by edge's z"};
+static const char *const mirror_names[MISSES] = {
+    "miss", "by height", "by slope p",       "by slope q",
+    "by u", "by v",      "by edge's radius", "by edge's z"};
 
 static void compare_mirror(const char *name, const double (*points)[2], size_t count,
                            double radius_mm, bool seen) {
@@ -234,7 +254,19 @@ static void mirrors(void **state) {
   compare_mirror("mirror across the axis", across, 4, 7.8, false);
 }
 
-enum { LENS_M, LENS_J0, LENS_J45, PUPIL_X, PUPIL_Y, INDEX, AT_X, AT_Y, SLOPE_X, SLOPE_Y, SNELL_INPUTS };
+enum {
+  LENS_M,
+  LENS_J0,
+  LENS_J45,
+  PUPIL_X,
+  PUPIL_Y,
+  INDEX,
+  AT_X,
+  AT_Y,
+  SLOPE_X,
+  SLOPE_Y,
+  SNELL_INPUTS
+};
 
 /* Snell's law: what of the unit ray lies along the surface keeps its length over the index. */
 static quad snell(const quad *p, const void *which) {
@@ -270,7 +302,8 @@ static void compare_snell(const char *name, const double in[SNELL_INPUTS], doubl
                            .index = in[INDEX],
                            .correction = {in[LENS_M], in[LENS_J0], in[LENS_J45]}};
   for (int i = 0; i < 40; i++) {
-    double slope = slope_least * pow(slope_most / slope_least, i / 39.0), u, v, x, y, at[SNELL_INPUTS];
+    double slope = slope_least * pow(slope_most / slope_least, i / 39.0), u, v, x, y,
+           at[SNELL_INPUTS];
     memcpy(at, in, sizeof at);
     at[SLOPE_X] = slope * cos(0.9 * i);
     at[SLOPE_Y] = slope * sin(0.9 * i);
@@ -305,55 +338,6 @@ static void refraction(void **state) {
                 (const double[SNELL_INPUTS]){-8, 1.5, -0.7, 0.3, -0.2, 1.376}, 1e-3, 1.5);
 }
 
-enum { PATH_X, PATH_Y, PATH_RADIUS, PATH_INDEX, FOCUS_X, FOCUS_Y, FOCUS_Z, WORN_M, WORN_J0, WORN_J45,
-       PATH_INPUTS };
-
-static quad path(const quad *p, quad x, quad y) {
-  quad square = x * x + y * y, radius = p[PATH_RADIUS];
-  quad depth = square / (radius + sqrtq(radius * radius - square));
-  quad dx = x - p[FOCUS_X], dy = y - p[FOCUS_Y], dz = depth - p[FOCUS_Z];
-  quad lens = p[WORN_M] * square + p[WORN_J0] * (x * x - y * y) + 2 * p[WORN_J45] * x * y;
-  return depth + p[PATH_INDEX] * sqrtq(dx * dx + dy * dy + dz * dz) - lens / 2000;
-}
-
-/* In micrometres, for a pupil about the axis of a sphere. */
-static quad path_difference(const quad *p, const void *context) {
-  (void)context;
-  return 1000 * (path(p, 0, 0) - path(p, p[PATH_X], p[PATH_Y]));
-}
-
-/* Depth 8 roundings, the distance's difference 12, the lens 8, the sum 4. */
-static void paths(void **state) {
-  (void)state;
-  static const struct {
-    const char *name;
-    double pupil_mm;
-    placido_correction lens;
-  } cases[] = {{"path difference, 6 mm pupil", 6, {0, 0, 0}},
-               {"path difference behind a lens", 5, {-3, 0.5, -0.25}},
-               {"path difference, 0.3 mm pupil", 0.3, {0, 0, 0}}};
-  const placido_part part = {.kind = PLACIDO_PART_BICONIC, .as.biconic = {7.8, 0, 7.8, 0, 0, 0, 0}};
-  placido_surface *surface;
-  assert_int_equal(placido_surface_new(&surface, 0, 6, &part, 1, NULL, NULL), PLACIDO_OK);
-  for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
-    const struct exact exact = {cases[c].name, path_difference, PATH_INPUTS, 32, DBL_EPSILON};
-    struct exact_worst worst = {0};
-    const placido_eye eye = {.pupil_mm = cases[c].pupil_mm, .correction = cases[c].lens};
-    placido_wavefront w;
-    assert_int_equal(placido_wavefront_new(&w, surface, &eye, NULL, NULL, NULL), PLACIDO_OK);
-    for (size_t i = 0; i < w.count; i++) {
-      const double in[PATH_INPUTS] = {w.x_mm[i],         w.y_mm[i],       7.8,
-                                      w.eye.index,       w.focus_mm[0],   w.focus_mm[1],
-                                      w.focus_mm[2],     cases[c].lens.m_D, cases[c].lens.j0_D,
-                                      cases[c].lens.j45_D};
-      exact_compare(&worst, &exact, in, NULL, w.opd_um[i]);
-    }
-    exact_row(&exact, &worst);
-    placido_wavefront_free(&w);
-  }
-  placido_surface_free(surface);
-}
-
 static void every_error_is_within(void **state) {
   (void)state;
   assert_int_equal(stability_print("arithmetic: rays"), 0);
@@ -361,8 +345,9 @@ static void every_error_is_within(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(cameras),    cmocka_unit_test(mirrors),
-      cmocka_unit_test(refraction), cmocka_unit_test(paths),
+      cmocka_unit_test(cameras),
+      cmocka_unit_test(mirrors),
+      cmocka_unit_test(refraction),
       cmocka_unit_test(every_error_is_within),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

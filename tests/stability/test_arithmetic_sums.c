@@ -42,8 +42,9 @@ static quad *entry(const struct matrix *m, int row, int column) {
   return m->entries + (size_t)low * (size_t)m->width + (size_t)(top - low);
 }
 
-/* What the fit's penalty is along one axis: squares of third differences, and `floor` on the diagonal.
- * Its largest eigenvalue is below 64, so that its condition is 64 over the floor at most. */
+/* What the fit's penalty is along one axis: squares of third differences, and `floor` on the
+ * diagonal. Its largest eigenvalue is below 64, so that its condition is 64 over the floor at most.
+ */
 static struct matrix differences(int count, int width, double floor) {
   static const double difference[4] = {-1, 3, -3, 1};
   struct matrix m = {count, width, calloc((size_t)(count * width), sizeof *m.entries)};
@@ -121,10 +122,10 @@ static double inverse_norm(const struct matrix *factor) {
   return (double)norm;
 }
 
-/* Factor and solution are those of a matrix that differs by γ |L| |Lᵀ|, γ = (3 w + 1) u for w entries
- * a row (Higham, theorem 10.4), which in the norm is at most w γ |A|; so the solution is off by
- * w (3 w + 1) u times the condition. The inverse within the band is made of as many operations on
- * the same factor, twice over: from either side. */
+/* Factor and solution are those of a matrix that differs by γ |L| |Lᵀ|, γ = (3 w + 1) u for w
+ * entries a row (Higham, theorem 10.4), which in the norm is at most w γ |A|; so the solution is
+ * off by w (3 w + 1) u times the condition. The inverse within the band is made of as many
+ * operations on the same factor, twice over: from either side. */
 static void compare_band(int count, int width, double floor) {
   struct matrix m = differences(count, width, floor);
   placido_band band, inverse;
@@ -142,7 +143,8 @@ static void compare_band(int count, int width, double floor) {
   assert_true(placido_band_factorise(&band));
   assert_int_equal(placido_band_solve(&band, x, 1, NULL), PLACIDO_OK);
   solve(&m, exact);
-  double smallest = inverse_norm(&m), condition = 64 * smallest, size = (double)length_of(exact, count);
+  double smallest = inverse_norm(&m), condition = 64 * smallest,
+         size = (double)length_of(exact, count);
   quad error = 0, worst = 0;
   for (int i = 0; i < count; i++) {
     error += (x[i] - exact[i]) * (x[i] - exact[i]);
@@ -209,13 +211,13 @@ static void dense_systems(void **state) {
   }
 }
 
-/* A transform of N samples is off by log2 N times η in the root mean square, η = u + γ4 (√2 + u) < 7 u
- * (Higham, theorem 24.2). Three of them, of source, PSF and product: the errors of source and
+/* A transform of N samples is off by log2 N times η in the root mean square, η = u + γ4 (√2 + u) <
+ * 7 u (Higham, theorem 24.2). Three of them, of source, PSF and product: the errors of source and
  * product pass the PSF's gain, at most the sum of its buckets, that of the PSF the source's. In
  * double the result is still rounded to float. */
 static void convolutions(void **state) {
   (void)state;
-  enum { WIDTH = 150, HEIGHT = 90, BUCKETS = 41 };
+  enum { WIDTH = 90, HEIGHT = 60, BUCKETS = 31 };
   static const char *const names[2] = {"convolution in float", "convolution in double"};
   double values[BUCKETS * BUCKETS], size = 0;
   float *source = noise_plane(WIDTH, HEIGHT, 5);
@@ -246,8 +248,8 @@ static void convolutions(void **state) {
   free(source);
 }
 
-/* Light is counted in whole units: only the quotient of a bucket and the whole is rounded, by u, and
- * the whole by 2 u more. */
+/* Light is counted in whole units: only the quotient of a bucket and the whole is rounded, by u,
+ * and the whole by 2 u more. */
 static void light_is_kept(void **state) {
   (void)state;
   static const char *const eyes[] = {"normal", "keratoconus"};
@@ -265,7 +267,8 @@ static void light_is_kept(void **state) {
         sum += psf.values[i];
       }
       char name[64];
-      snprintf(name, sizeof name, "sum of a PSF, %s, light %s", eyes[e], light ? "counted" : "spread");
+      snprintf(name, sizeof name, "sum of a PSF, %s, light %s", eyes[e],
+               light ? "counted" : "spread");
       add_row(name, 1, (double)fabsq(sum / share - 1) / DBL_EPSILON, 1.5);
       placido_psf_free(&psf);
       placido_surface_free(surface);
@@ -280,8 +283,10 @@ static void every_error_is_within(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(bands),        cmocka_unit_test(dense_systems),
-      cmocka_unit_test(convolutions), cmocka_unit_test(light_is_kept),
+      cmocka_unit_test(bands),
+      cmocka_unit_test(dense_systems),
+      cmocka_unit_test(convolutions),
+      cmocka_unit_test(light_is_kept),
       cmocka_unit_test(every_error_is_within),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

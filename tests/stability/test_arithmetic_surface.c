@@ -48,8 +48,8 @@ static placido_surface *surface_of(const struct kind *kind, const double *parame
   return surface;
 }
 
-/* Compares the jets at points (x, y) and adds three rows; the points where the formula has no number
- * are those where the surface has none. */
+/* Compares the jets at points (x, y) and adds three rows; the points where the formula has no
+ * number are those where the surface has none. */
 static void compare_at(const char *name, const struct kind *kind, const double *parameters,
                        const double (*points)[2], size_t count) {
   placido_surface *surface = surface_of(kind, parameters);
@@ -100,9 +100,9 @@ static quad biconic(const quad *p, const void *which) {
   exact_jet u = exact_line(c, s, 0, x, y), v = exact_line(-s, c, 0, x, y);
   exact_jet uu = exact_product(u, u), vv = exact_product(v, v);
   exact_jet n = exact_sum(exact_scaled(uu, 1 / p[0]), exact_scaled(vv, 1 / p[2]));
-  exact_jet root = exact_sum(exact_constant(1),
-                             exact_sum(exact_scaled(uu, -(1 + p[1]) / (p[0] * p[0])),
-                                       exact_scaled(vv, -(1 + p[3]) / (p[2] * p[2]))));
+  exact_jet root =
+      exact_sum(exact_constant(1), exact_sum(exact_scaled(uu, -(1 + p[1]) / (p[0] * p[0])),
+                                             exact_scaled(vv, -(1 + p[3]) / (p[2] * p[2]))));
   exact_jet below = exact_sum(exact_constant(1), exact_root(root));
   exact_jet sag = exact_product(n, exact_inverse(below));
   return exact_of(&sag, *(const int *)which);
@@ -158,9 +158,8 @@ static void conicoids(void **state) {
 static void conicoids_along_lines(void **state) {
   (void)state;
   const double parameters[] = {7.9, -0.2, 7.4, -0.4, 30, 0.1, -0.2};
-  const struct exact exact[2] = {
-      {"biconic along a line: sag", biconic, 9, 23, DBL_EPSILON},
-      {"biconic along a line: slope", biconic, 9, 36, DBL_EPSILON}};
+  const struct exact exact[2] = {{"biconic along a line: sag", biconic, 9, 23, DBL_EPSILON},
+                                 {"biconic along a line: slope", biconic, 9, 36, DBL_EPSILON}};
   enum { COUNT = 101 };
   double x[COUNT], sag[COUNT], sx[COUNT], sy[COUNT];
   struct exact_worst worst[2] = {{0}};
@@ -203,8 +202,8 @@ static quad bump(const quad *p, const void *which) {
 }
 
 static void fill_bump(placido_part *part, const double *p) {
-  *part = (placido_part){.kind = PLACIDO_PART_BUMP,
-                         .as.bump = {p[0], p[1], p[2], p[3], p[4], p[5]}};
+  *part =
+      (placido_part){.kind = PLACIDO_PART_BUMP, .as.bump = {p[0], p[1], p[2], p[3], p[4], p[5]}};
 }
 
 /* To u 6, to the exponent 5 more, exp 1, the products with u and v 6, the turn 8. */
@@ -226,9 +225,9 @@ static void fill_ridge(placido_part *part, const double *p) {
 /* To t 8, exp and log1p 2, the products 6. */
 static const struct kind ridge_kind = {ridge, fill_ridge, 4, {14, 15, 18}};
 
-/* Two spheres' difference, from the dioptres that lie between them, and as high in the zone's centre
- * as the blend has it; the blend is the quintic with the value, slope and second derivative of its
- * ends. */
+/* Two spheres' difference, from the dioptres that lie between them, and as high in the zone's
+ * centre as the blend has it; the blend is the quintic with the value, slope and second derivative
+ * of its ends. */
 static quad ablation(const quad *p, const void *which) {
   quad r0 = p[3], r1 = 1 / (1 / r0 - p[0] / 1000 / (p[4] - 1)), zone = p[1] / 2;
   exact_jet x = exact_line(1, 0, -p[5], p[7], p[8]), y = exact_line(0, 1, -p[6], p[7], p[8]);

@@ -1,5 +1,5 @@
-/* Error bars are true: over 200 eyes drawn at random the errors are as large as claimed, quantity by
- * quantity. Nothing was chosen by these eyes. */
+/* Error bars are true: over 200 eyes drawn at random the errors are as large as claimed, quantity
+ * by quantity. Nothing was chosen by these eyes. */
 #include "tests/stability/claims.h"
 #include "tests/stability/drawn_eye.h"
 #include "tests/stability/table.h"
@@ -19,8 +19,8 @@
 /* Asked for: the root mean square of error over sigma. */
 #define LEAST 0.8
 #define MOST 1.25
-/* Of n errors that are right it scatters by 1/sqrt(2 n): by 5 % of 200, so that the limits are four and
- * more of these away; where fewer are asked they move out by as many. */
+/* Of n errors that are right it scatters by 1/sqrt(2 n): by 5 % of 200, so that the limits are four
+ * and more of these away; where fewer are asked they move out by as many. */
 #define SCATTER_ASKED (1 / sqrt(2.0 * 200))
 #define SCATTERS 4.0
 
@@ -101,6 +101,9 @@ static void print_families(void) {
     print_message(" %6s", short_names[c]);
   }
   for (int row = 0; row <= DRAWN_FAMILIES; row++) {
+    if (families[row] == 0) {
+      continue;
+    }
     print_message("\n%-14s %5d", row < DRAWN_FAMILIES ? drawn_family_name(row) : "all",
                   families[row]);
     for (int c = 0; c < CLAIMS; c++) {

@@ -77,8 +77,8 @@ static bool crossing(double out[2], const fits_eye *eye, int edge, double x, dou
   const double *camera = eye->instrument.position_mm;
   double z = placido_surface_vertex_z_mm(eye->truth) - jet.sag;
   double ray[3] = {x - camera[0], y - camera[1], z - camera[2]}, normal[3] = {jet.sx, jet.sy, 1};
-  double along = (ray[0] * jet.sx + ray[1] * jet.sy + ray[2]) /
-                 (jet.sx * jet.sx + jet.sy * jet.sy + 1);
+  double along =
+      (ray[0] * jet.sx + ray[1] * jet.sy + ray[2]) / (jet.sx * jet.sx + jet.sy * jet.sy + 1);
   for (int i = 0; i < 3; i++) {
     ray[i] -= 2 * along * normal[i];
   }

@@ -1,5 +1,5 @@
-/* What is no measurement is refused with a sentence that names it; what is little more than that has
- * error bars that say so. */
+/* What is no measurement is refused with a sentence that names it; what is little more than that
+ * has error bars that say so. */
 #include "tests/stability/fits.h"
 
 #include <limits.h>
@@ -216,9 +216,10 @@ static void other_sizes_are_measured_or_refused(void **state) {
   }
 }
 
-/* A wrong distance cannot be seen in the mires, so its error bar is the caller's word. Where that is
- * as large as the error d: |error| <= d g + bound·noise, which is at most sqrt(1 + bound²) times the
- * claimed sqrt((d g)² + noise²) (Cauchy-Schwarz), g being linear: d² / R adds d / 7.8 mm of that. */
+/* A wrong distance cannot be seen in the mires, so its error bar is the caller's word. Where that
+ * is as large as the error d: |error| <= d g + bound·noise, which is at most sqrt(1 + bound²) times
+ * the claimed sqrt((d g)² + noise²) (Cauchy-Schwarz), g being linear: d² / R adds d / 7.8 mm of
+ * that. */
 static void a_wrong_distance_is_covered_by_its_sigma(void **state) {
   (void)state;
   static const double off_mm[] = {1e-3, 0.03, 0.3, -0.3, 1};
@@ -239,7 +240,8 @@ static void a_wrong_distance_is_covered_by_its_sigma(void **state) {
                                       .in_unit = "mm",
                                       .change = e.over_sigma,
                                       .out_unit = "sigma",
-                                      .bound = sqrt(1 + bound * bound) * (1 + fabs(off_mm[i]) / 7.8),
+                                      .bound =
+                                          sqrt(1 + bound * bound) * (1 + fabs(off_mm[i]) / 7.8),
                                       .extended = NAN};
     stability_add(&row);
     placido_fit_free(fit);

@@ -9,6 +9,7 @@
 #include "tests/stability/table.h"
 
 #include "acquire/acquire.h"
+#include "base/cv/cv.h"
 #include "base/random.h"
 
 #include <placido/image.h>
@@ -131,20 +132,25 @@ static placido_frame drawn(drawing draw, int width, int height, enum placido_for
 
 /* What an examination makes of it: mires, then a cornea. The knots are wide, as nothing is to be
  * measured. */
-static int find(const placido_frame *frame, placido_error *err) {
-  const placido_instrument instrument = instrument_of(frame->width_px, frame->height_px);
+static int find_with(const placido_frame *frame, const placido_instrument *instrument,
+                     placido_error *err) {
   const placido_fit_options options = {.knot_mm = 1};
   placido_mires mires;
   placido_fit *fit = NULL;
-  int status = placido_mires_find(&mires, frame, &instrument, NULL, NULL, err);
+  int status = placido_mires_find(&mires, frame, instrument, NULL, NULL, err);
   assert_true(status == PLACIDO_OK || mires.points == NULL);
   if (status == PLACIDO_OK) {
-    status = placido_fit_new(&fit, &mires, &instrument, &options, NULL, err);
+    status = placido_fit_new(&fit, &mires, instrument, &options, NULL, err);
     assert_true(status == PLACIDO_OK || fit == NULL);
   }
   placido_fit_free(fit);
   placido_mires_free(&mires);
   return status;
+}
+
+static int find(const placido_frame *frame, placido_error *err) {
+  const placido_instrument instrument = instrument_of(frame->width_px, frame->height_px);
+  return find_with(frame, &instrument, err);
 }
 
 static void frames_without_mires_are_refused(void **state) {
@@ -190,6 +196,50 @@ static void no_noise_is_taken_for_mires(void **state) {
     placido_frame_free(&frame);
   }
   case_refused(err.status, PLACIDO_QUALITY, &err, "", "noise, 10 frames");
+}
+
+static void invert(placido_frame *frame) {
+  for (size_t i = 0; i < frame->stride_bytes * (size_t)frame->height_px; i++) {
+    frame->data[i] = (uint8_t)(255 - frame->data[i]);
+  }
+}
+
+/* Out of focus: beyond the mires' own period of 8 to 16 px nothing of them is left. */
+static void blur(placido_frame *frame) {
+  const int width = frame->width_px, height = frame->height_px;
+  placido_image image;
+  assert_int_equal(placido_image_new(&image, width, height, 1, NULL), PLACIDO_OK);
+  for (int i = 0; i < width * height; i++) {
+    image.data[i] = frame->data[(size_t)(i / width) * frame->stride_bytes + (size_t)(i % width)];
+  }
+  assert_int_equal(placido_cv_blur(&image, 10, 10, NULL), PLACIDO_OK);
+  for (int i = 0; i < width * height; i++) {
+    frame->data[(size_t)(i / width) * frame->stride_bytes + (size_t)(i % width)] =
+      (uint8_t)(image.data[i] + 0.5f);
+  }
+  placido_image_free(&image);
+}
+
+/* Real mires that cannot be what the instrument has: dark for bright, which would shift every
+ * number by one, and blurred away. */
+static void spoilt_mires_are_refused(void **state) {
+  (void)state;
+  static const char *const samples[] = {"normal", "keratoconus", "irregular-lid"};
+  for (int i = 0; i < 6; i++) {
+    char path[1024];
+    placido_instrument instrument;
+    placido_frame frame = {0};
+    placido_error err = {0};
+    snprintf(path, sizeof path, "%s/samples/%s.instrument.json", PLACIDO_TEST_DATA, samples[i / 2]);
+    assert_int_equal(placido_instrument_load(&instrument, path, NULL, NULL), PLACIDO_OK);
+    snprintf(path, sizeof path, "%s/samples/%s.png", PLACIDO_TEST_DATA, samples[i / 2]);
+    assert_int_equal(placido_frame_load(&frame, path, NULL), PLACIDO_OK);
+    (i % 2 ? blur : invert)(&frame);
+    int status = find_with(&frame, &instrument, &err);
+    case_refused(status, PLACIDO_QUALITY, &err, "", "%s, %s", samples[i / 2],
+                 i % 2 ? "blurred by 10 px" : "inverted");
+    placido_frame_free(&frame);
+  }
 }
 
 /* A recording of nothing but such frames: one of them is chosen, as one has to be, with a score
@@ -239,6 +289,7 @@ int main(void) {
     cmocka_unit_test(frames_without_mires_are_refused),
     cmocka_unit_test(frames_of_any_size_are_refused),
     cmocka_unit_test(no_noise_is_taken_for_mires),
+    cmocka_unit_test(spoilt_mires_are_refused),
     cmocka_unit_test_setup_teardown(a_recording_without_mires_is_refused, scratch_setup,
                                     scratch_teardown),
     cmocka_unit_test(the_table_is_good)};

@@ -1,9 +1,10 @@
-/* Exact edge points mirrored, turned by quarters, and moved: the fitted surface follows to rounding.
+/* Exact edge points mirrored, turned by quarters, and moved: the fitted surface follows to
+ * rounding.
  *
  * The points' places take no more than a rounding each, and the fit does the same sums in another
- * order: both act as errors of 71 roundings in every residual (test_arithmetic_rays.c, test_perturbed.c)
- * before and after, which change a result by per_px √N of that, per_px being the noise's part of its
- * error bar over the noise. */
+ * order: both act as errors of 71 roundings in every residual (test_arithmetic_rays.c,
+ * test_perturbed.c) before and after, which change a result by per_px √N of that, per_px being the
+ * noise's part of its error bar over the noise. */
 #include "tests/stability/table.h"
 #include "tests/stability/zone.h"
 #include "tests/support/truth.h"
@@ -21,8 +22,8 @@
 #include <cmocka.h>
 #include <string.h>
 
-/* Mirrored and by a quarter every third meridian comes to be a third one, and every third point a third
- * point: the fit begins with those, and what it begins with is to be turned as well. */
+/* Mirrored and by a quarter every third meridian comes to be a third one, and every third point a
+ * third point: the fit begins with those, and what it begins with is to be turned as well. */
 #define MERIDIANS 48
 #define NOISE_PX 0.02
 #define MIDDLE_PX 512.0 /* of a square picture, so that every turn has one */
@@ -45,7 +46,8 @@ static placido_mires copy_of(const placido_mires *mires) {
   return copy;
 }
 
-static placido_fit *fit_of(placido_mires *mires, const placido_instrument *instrument, double axis_z_mm) {
+static placido_fit *fit_of(placido_mires *mires, const placido_instrument *instrument,
+                           double axis_z_mm) {
   placido_fit *fit;
   placido_error err = {0};
   const placido_fit_options options = {.axis_z_mm = axis_z_mm, .knot_mm = 0.5, .threads = 2};
@@ -80,7 +82,9 @@ static void add_row(const char *what, const char *result, double condition, doub
 
 static int by_place(const void *a, const void *b) {
   const placido_mire_point *p = a, *q = b;
-  return p->edge != q->edge ? p->edge - q->edge : (p->meridian_deg > q->meridian_deg) - (p->meridian_deg < q->meridian_deg);
+  return p->edge != q->edge
+             ? p->edge - q->edge
+             : (p->meridian_deg > q->meridian_deg) - (p->meridian_deg < q->meridian_deg);
 }
 
 /* The points where turn · (x, y) takes them, y upwards; in the order that lists of mires have. */
@@ -91,8 +95,10 @@ static placido_mires turned(const double turn[2][2]) {
     double x = p->u_px - MIDDLE_PX, y = MIDDLE_PX - p->v_px;
     p->u_px = MIDDLE_PX + (turn[0][0] * x + turn[0][1] * y);
     p->v_px = MIDDLE_PX - (turn[1][0] * x + turn[1][1] * y);
-    double deg = turn[0][0] * turn[1][1] - turn[0][1] * turn[1][0] > 0 ? p->meridian_deg : -p->meridian_deg;
-    double shift = round(atan2(turn[1][0], turn[0][0]) * 180 / M_PI); /* of what was on the x axis */
+    double deg =
+        turn[0][0] * turn[1][1] - turn[0][1] * turn[1][0] > 0 ? p->meridian_deg : -p->meridian_deg;
+    double shift =
+        round(atan2(turn[1][0], turn[0][0]) * 180 / M_PI); /* of what was on the x axis */
     p->meridian_deg = fmod(deg + shift + 720, 360);
   }
   qsort(mires.points, mires.count, sizeof *mires.points, by_place);
@@ -103,18 +109,22 @@ static placido_mires turned(const double turn[2][2]) {
 static void compare(const char *name, placido_mires *mires, const placido_instrument *instrument,
                     double axis_z_mm, const double turn[2][2], double level_um) {
   placido_fit *fit = fit_of(mires, instrument, axis_z_mm);
-  const placido_fit_summary now = placido_fit_summary_get(fit), then = placido_fit_summary_get(bench.fit);
+  const placido_fit_summary now = placido_fit_summary_get(fit),
+                            then = placido_fit_summary_get(bench.fit);
   struct zone zone;
   zone_see(&zone, placido_fit_surface(fit), turn);
-  add_row(name, "height, rms", bench.per_px[0], zone_difference(zone.height_um, bench.zone.height_um),
-          "um", bound_of(0));
-  add_row(name, "axial power, rms", bench.per_px[1], zone_difference(zone.axial_D, bench.zone.axial_D),
-          "D", bound_of(1));
+  add_row(name, "height, rms", bench.per_px[0],
+          zone_difference(zone.height_um, bench.zone.height_um), "um", bound_of(0));
+  add_row(name, "axial power, rms", bench.per_px[1],
+          zone_difference(zone.axial_D, bench.zone.axial_D), "D", bound_of(1));
   /* a height is wrong by 4 ulps of its z, that of the axis as well */
-  double z_um = 1e3 * fmax(fabs(axis_z_mm), fabs(placido_surface_vertex_z_mm(placido_fit_surface(fit))));
-  add_row(name, "mean height", bench.per_px[0], fabs(zone.level_um - level_um - bench.zone.level_um),
-          "um", bound_of(0) + 8 * DBL_EPSILON * z_um);
-  add_row(name, "points used", NAN, fabs((double)now.points_used - (double)then.points_used), "points", 0);
+  double z_um =
+      1e3 * fmax(fabs(axis_z_mm), fabs(placido_surface_vertex_z_mm(placido_fit_surface(fit))));
+  add_row(name, "mean height", bench.per_px[0],
+          fabs(zone.level_um - level_um - bench.zone.level_um), "um",
+          bound_of(0) + 8 * DBL_EPSILON * z_um);
+  add_row(name, "points used", NAN, fabs((double)now.points_used - (double)then.points_used),
+          "points", 0);
   placido_fit_free(fit);
 }
 
@@ -182,12 +192,14 @@ static void keratometry(void **state) {
   static const char *const names[] = {"simk_steep_D", "simk_flat_D", "simk_steep_axis_deg"};
   size_t count, again;
   double sigma_px = placido_fit_summary_get(bench.fit).sigma_px;
-  assert_int_equal(placido_indices_find(before, &count, placido_fit_surface(bench.fit), bench.fit, NULL),
-                   PLACIDO_OK);
+  assert_int_equal(
+      placido_indices_find(before, &count, placido_fit_surface(bench.fit), bench.fit, NULL),
+      PLACIDO_OK);
   for (size_t k = 1; k < 4; k += 2) {
     placido_mires mires = turned(symmetries[k].turn);
     placido_fit *fit = fit_of(&mires, &bench.instrument, 0);
-    assert_int_equal(placido_indices_find(after, &again, placido_fit_surface(fit), NULL, NULL), PLACIDO_OK);
+    assert_int_equal(placido_indices_find(after, &again, placido_fit_surface(fit), NULL, NULL),
+                     PLACIDO_OK);
     for (size_t i = 0; i < 3; i++) {
       const placido_index_value *a = index_of(before, count, names[i]);
       const placido_index_value *b = index_of(after, again, names[i]);
@@ -225,7 +237,8 @@ static int set_up(void **state) {
   zone_see(&bench.zone, placido_fit_surface(bench.fit), NULL);
   placido_fit_budget(bench.fit, ZONE_MM, budget);
   bench.per_px[0] = budget[PLACIDO_SIGMA_NOISE].z_um / placido_fit_summary_get(bench.fit).sigma_px;
-  bench.per_px[1] = budget[PLACIDO_SIGMA_NOISE].axial_D / placido_fit_summary_get(bench.fit).sigma_px;
+  bench.per_px[1] =
+      budget[PLACIDO_SIGMA_NOISE].axial_D / placido_fit_summary_get(bench.fit).sigma_px;
   placido_surface_free(eye);
   return 0;
 }
@@ -240,7 +253,8 @@ static int tear_down(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(symmetric_eyes), cmocka_unit_test(moved_eyes),
+      cmocka_unit_test(symmetric_eyes),
+      cmocka_unit_test(moved_eyes),
       cmocka_unit_test(keratometry),
       cmocka_unit_test(everything_follows),
   };

@@ -58,13 +58,14 @@ static double worst_difference(const double *a, const double *b, int count) {
   return worst;
 }
 
-/* A path difference is made of distances of n · 30 mm with some 32 roundings of numbers as large as 1 mm
- * (test_arithmetic_rays.c), the surface's depth with 57 more and a turn's 5: u · 94 mm each, before and
- * after, and the terms take means of it, which adds the sum's roundings over 768 rays times the
- * paths' size, 10 um. The search of the focus ends with a step below 1e-9 mm, of which Gauss and
- * Newton leave the residual's share of the paths, 1e-4 at most; it changes defocus and tilt by that
- * times r²/(4 √3 f²) and r/(2 f): n 1e-13 · 0.05 mm. The nodes' 48 spokes take frequencies below 40
- * exactly in terms of order 8: what a smooth surface has above is below rounding. */
+/* A path difference is made of distances of n · 30 mm with some 32 roundings of numbers as large as
+ * 1 mm (test_arithmetic_rays.c), the surface's depth with 57 more and a turn's 5: u · 94 mm each,
+ * before and after, and the terms take means of it, which adds the sum's roundings over 768 rays
+ * times the paths' size, 10 um. The search of the focus ends with a step below 1e-9 mm, of which
+ * Gauss and Newton leave the residual's share of the paths, 1e-4 at most; it changes defocus and
+ * tilt by that times r²/(4 √3 f²) and r/(2 f): n 1e-13 · 0.05 mm. The nodes' 48 spokes take
+ * frequencies below 40 exactly in terms of order 8: what a smooth surface has above is below
+ * rounding. */
 static double front_bound(void) {
   return 1e3 * 2 * (94 * DBL_EPSILON / 2 + 1.34 * 1e-13 * 0.05) + 768 * DBL_EPSILON / 2 * 10;
 }
@@ -123,8 +124,9 @@ static void mirrored_wavefronts(void **state) {
   placido_surface_free(left);
 }
 
-/* Every length times a scale: every path difference as well, and every angle stays. By a power of two
- * no digit changes but for the search of the focus, which ends within 1e-9 mm whatever the scale. */
+/* Every length times a scale: every path difference as well, and every angle stays. By a power of
+ * two no digit changes but for the search of the focus, which ends within 1e-9 mm whatever the
+ * scale. */
 static void scaled_eyes(void **state) {
   (void)state;
   static const double scales[] = {1e-1, 0.5, 1.7, 2};
@@ -179,31 +181,33 @@ static double light_moved(const placido_psf *a, const placido_psf *b, const int 
   return sum;
 }
 
-/* A ray's place on the retina is off by 100 roundings of 30 mm: δ in buckets. Of a box of light that
- * lies across a bucket's border the share δ / width goes to the other side, and the share of boxes
- * that do is the width: together δ for each of two borders, counted where it leaves and where it
- * arrives; and 4 δ again for the other eye. Light is counted in whole units of 2^-50 of it all, and
- * each of a ray's boxes, which a footprint of up to (10 buckets)² is cut into, may round 4 of them.
- * All light lies the other way by `shift` buckets where the points of fixation differ. */
+/* A ray's place on the retina is off by 100 roundings of 30 mm: δ in buckets. Of a box of light
+ * that lies across a bucket's border the share δ / width goes to the other side, and the share of
+ * boxes that do is the width: together δ for each of two borders, counted where it leaves and where
+ * it arrives; and 4 δ again for the other eye. Light is counted in whole units of 2^-50 of it all,
+ * and each of a ray's boxes, which a footprint of up to (10 buckets)² is cut into, may round 4 of
+ * them. All light lies the other way by `shift` buckets where the points of fixation differ. */
 static double light_bound(const placido_psf *psf, double shift) {
   double delta = 100 * DBL_EPSILON / 2 * 30e3 / psf->bucket_um;
   return 2 * 4 * (delta + shift) + (double)psf->rays * 100 * 4 * ldexp(1, -50);
 }
 
-/* The distance of the point of fixation from where a turn takes that of the other eye, in buckets. */
+/* The distance of the point of fixation from where a turn takes that of the other eye, in buckets.
+ */
 static double fixation_moved(const placido_psf *a, const placido_psf *b, const int turn[2][2]) {
   double x = turn[0][0] * a->centre_x_um + turn[0][1] * a->centre_y_um;
   double y = turn[1][0] * a->centre_x_um + turn[1][1] * a->centre_y_um;
   return hypot(b->centre_x_um - x, b->centre_y_um - y) / a->bucket_um;
 }
 
-/* It is found in single precision: slopes of up to 0.17 over 30 mm, rounded some 4 times, either eye. */
+/* It is found in single precision: slopes of up to 0.17 over 30 mm, rounded some 4 times, either
+ * eye. */
 static double fixation_bound(const placido_psf *psf) {
   return 2 * 4 * (double)FLT_EPSILON / 2 * 0.17 * 30e3 / psf->bucket_um;
 }
 
-/* Picture and eye turn alike: x to the right in either, y up in the eye and rows down are both turned by
- * -90 degrees where the patient's field is looked at from behind. */
+/* One matrix turns the eye, which is looked at from before it with y upwards, and the picture,
+ * which is seen from behind it with rows downwards. */
 static void turned_psfs(void **state) {
   (void)state;
   static const struct {
@@ -236,8 +240,8 @@ static void turned_psfs(void **state) {
 
 /* A wavefront tilted by so many buckets: the image moves by as many. Fields and transforms are of
  * single precision: log2 of the samples times 7 u for each of the two transforms (Higham, 24.2), of
- * the field's phases 2 π u for every wave of tilt at the rim, in the root mean square of the image, which
- * is a square: twice. */
+ * the field's phases 2 π u for every wave of tilt at the rim, in the root mean square of the image,
+ * which is a square: twice. */
 static void tilted_pupils(void **state) {
   (void)state;
   enum { BUCKETS = 65 };
@@ -250,16 +254,19 @@ static void tilted_pupils(void **state) {
   placido_pupil pupil;
   placido_diffraction_use use;
   assert_int_equal(placido_pupil_of_terms(&pupil, pupil_mm, terms, 11, 128, NULL), PLACIDO_OK);
-  assert_int_equal(placido_diffraction(straight, NULL, &pupil, &wave, 1, &window, NULL), PLACIDO_OK);
+  assert_int_equal(placido_diffraction(straight, NULL, &pupil, &wave, 1, &window, NULL),
+                   PLACIDO_OK);
   placido_pupil_free(&pupil);
   for (size_t k = 0; k < sizeof shifts / sizeof shifts[0]; k++) {
     int shift = shifts[k];
     double size = 0, error = 0;
     char name[64];
-    /* c · 2 x / r of the pupil's radius: a slope of 2 c / r; where it grows with x light comes from -x */
+    /* c · 2 x / r of the pupil's radius: a slope of 2 c / r; where it grows with x light comes from
+     * -x */
     terms[2] = -1e3 * bucket_rad * shift * pupil_mm / 2 / 2;
     assert_int_equal(placido_pupil_of_terms(&pupil, pupil_mm, terms, 11, 128, NULL), PLACIDO_OK);
-    assert_int_equal(placido_diffraction(tilted, &use, &pupil, &wave, 1, &window, NULL), PLACIDO_OK);
+    assert_int_equal(placido_diffraction(tilted, &use, &pupil, &wave, 1, &window, NULL),
+                     PLACIDO_OK);
     placido_pupil_free(&pupil);
     for (int row = 0; row < BUCKETS; row++) {
       for (int column = 0; column + shift < BUCKETS; column++) {
@@ -279,8 +286,9 @@ static void tilted_pupils(void **state) {
 static void mirrored_convolutions(void **state) {
   (void)state;
   enum { WIDTH = 97, HEIGHT = 61, BUCKETS = 15 };
-  static const char *const names[2][2] = {{"convolution left to right, float", "convolution left to right, double"},
-                                          {"convolution upside down, float", "convolution upside down, double"}};
+  static const char *const names[2][2] = {
+      {"convolution left to right, float", "convolution left to right, double"},
+      {"convolution upside down, float", "convolution upside down, double"}};
   double values[BUCKETS * BUCKETS], flipped[BUCKETS * BUCKETS];
   float *source = noise_plane(WIDTH, HEIGHT, 3), *mirrored = noise_plane(WIDTH, HEIGHT, 3);
   const placido_psf psf = noise_psf(values, BUCKETS, 9);
@@ -310,7 +318,8 @@ static void mirrored_convolutions(void **state) {
       double u = (doubles ? DBL_EPSILON : (double)FLT_EPSILON) / 2;
       double bound = 2 * (7 * rounding_bound(source, WIDTH, HEIGHT, &psf, u) / sqrt(size) +
                           (doubles ? (double)FLT_EPSILON / 2 : 0));
-      add_row(names[down][doubles], 1, 2 * u, "of the light", sqrt(error / size), "of it, rms", bound);
+      add_row(names[down][doubles], 1, 2 * u, "of the light", sqrt(error / size), "of it, rms",
+              bound);
       free(a);
       free(b);
     }
@@ -343,13 +352,16 @@ static void mirrored_scenes(void **state) {
   int count = seen.width_px * seen.height_px;
   for (int k = 0; k < count; k++) {
     double a = (double)seen.data[k];
-    double b = (double)there.data[k / seen.width_px * seen.width_px + seen.width_px - 1 - k % seen.width_px];
+    double b =
+        (double)
+            there.data[k / seen.width_px * seen.width_px + seen.width_px - 1 - k % seen.width_px];
     error += (a - b) * (a - b);
     size += a * a;
   }
-  double bound = 2 * 7 * rounding_bound(scene.image.data, width, height, &psf, FLT_EPSILON / 2.0) / sqrt(size);
-  add_row("scene and PSF mirrored", 1, FLT_EPSILON, "of the light", sqrt(error / size), "of it, rms",
-          bound + light_bound(&psf, fixation_bound(&psf)));
+  double bound =
+      2 * 7 * rounding_bound(scene.image.data, width, height, &psf, FLT_EPSILON / 2.0) / sqrt(size);
+  add_row("scene and PSF mirrored", 1, FLT_EPSILON, "of the light", sqrt(error / size),
+          "of it, rms", bound + light_bound(&psf, fixation_bound(&psf)));
   placido_image_free(&seen);
   placido_image_free(&there);
   placido_scene_free(&scene);
@@ -367,10 +379,10 @@ static void everything_follows(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(turned_wavefronts),     cmocka_unit_test(mirrored_wavefronts),
-      cmocka_unit_test(scaled_eyes),           cmocka_unit_test(turned_psfs),
-      cmocka_unit_test(tilted_pupils),         cmocka_unit_test(mirrored_convolutions),
-      cmocka_unit_test(mirrored_scenes),       cmocka_unit_test(everything_follows),
+      cmocka_unit_test(turned_wavefronts), cmocka_unit_test(mirrored_wavefronts),
+      cmocka_unit_test(scaled_eyes),       cmocka_unit_test(turned_psfs),
+      cmocka_unit_test(tilted_pupils),     cmocka_unit_test(mirrored_convolutions),
+      cmocka_unit_test(mirrored_scenes),   cmocka_unit_test(everything_follows),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,6 +5,8 @@
 #include "tests/stability/table.h"
 #include "tests/support/near.h"
 
+#include "base/memory.h"
+
 #include <placido/plan.h>
 
 #include <float.h>
@@ -147,6 +149,28 @@ static void any_pupil_sees_light(void **state) {
   placido_surface_free(surface);
 }
 
+/* Distances from which nothing comes: what stands there would be blurred by anything. */
+static void depths_that_are_none_are_refused(void **state) {
+  (void)state;
+  const float bad_D[] = {NAN, INFINITY, -INFINITY, -3, 101, 1e30f};
+  placido_surface *surface = conic(7.8, -0.26);
+  const placido_eye eye = {.pupil_mm = 4};
+  for (int i = 0; i < 6; i++) {
+    placido_scene scene = edge_scene();
+    placido_plan *plan;
+    placido_error err = {0};
+    scene.depth_D = placido_memory_new((size_t)WIDTH * HEIGHT, sizeof *scene.depth_D, NULL);
+    assert_non_null(scene.depth_D);
+    scene.depth_D[4 * WIDTH + 9] = bad_D[i];
+    int status = placido_plan_new(&plan, surface, &eye, &scene, NULL, NULL, &err);
+    case_refused(status, PLACIDO_INPUT, &err, "pixel (9, 4) has a vergence of", "depth of %g D",
+                 (double)bad_D[i]);
+    assert_null(plan);
+    placido_scene_free(&scene);
+  }
+  placido_surface_free(surface);
+}
+
 static void the_table_is_good(void **state) {
   (void)state;
   assert_int_equal(stability_print("Optics: plans"), 0);
@@ -155,6 +179,7 @@ static void the_table_is_good(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(any_eye_sees_light),
                                      cmocka_unit_test(any_pupil_sees_light),
+                                     cmocka_unit_test(depths_that_are_none_are_refused),
                                      cmocka_unit_test(the_table_is_good)};
   return cmocka_run_group_tests_name("stability_optics_plans", tests, NULL, NULL);
 }

@@ -206,8 +206,7 @@ static long double entry_mm(long double radius_mm, long double focus, long doubl
 
 /* Each sample of a pupil belongs to a direction, and its ray's entry is sought until its way is
  * known to 1e-5 mm, across by the sine s of that; the path changes by its slope along the surface.
- * Rounding of a path is 4 epsilon of it. Steep corneas mirror a step of the way several times
- * enlarged. */
+ * Rounding of a path is 4 epsilon of it. */
 static void steep_corneas_lose_no_sample_of_a_wave(void **state) {
   (void)state;
   const struct {

@@ -100,9 +100,9 @@ static void splines_converge_as_their_degree_says(void **state) {
 
 /* The whole fit to exact points of a cone, 1.25 mm wide. Mires tell slopes: a cubic spline's are of
  * order knot³, and axial power with them. Elevation, in which slopes' errors cancel from knot to
- * knot, is an order better where mires are dense among the knots, as they are for the quintic spline:
- * knot⁶. How knots fall about the cone changes a single error by some 30 %, over knots that go down
- * to a half that is up to 0.3 of an order either way at both ends: 0.6 is allowed. */
+ * knot, is an order better where mires are dense among the knots, as they are for the quintic
+ * spline: knot⁶. How knots fall about the cone changes a single error by some 30 %, over knots that
+ * go down to a half that is up to 0.3 of an order either way at both ends: 0.6 is allowed. */
 static void the_fit_converges(const placido_instrument *instrument,
                               const placido_surface *eye, const placido_mires *points, int degree,
                               const char *name) {
@@ -246,12 +246,12 @@ static void exact_points_are_met_quadratically(void **state) {
   end(&it);
 }
 
-/* With noise the weights w = 1 / sqrt(1 + r²/9) of residuals r (in sigmas), which lag a step behind,
- * make it linear: the pseudo-Huber loss has the second derivative w³ and the step takes w for it, so
- * that of an error (JᵀwJ)⁻¹ Jᵀ(w - w³)J is left. Its largest eigenvalue, which is what steps come
- * down to, lies below the largest 1 - w² of a point, and above the mean, 0.08 for normal noise. The
- * slope of one error over the one before is 1 but for what other modes still add at the first of
- * these steps. */
+/* With noise the weights w = 1 / sqrt(1 + r²/9) of residuals r (in sigmas), which lag a step
+ * behind, make it linear: the pseudo-Huber loss has the second derivative w³ and the step takes w
+ * for it, so that of an error (JᵀwJ)⁻¹ Jᵀ(w - w³)J is left. Its largest eigenvalue, which is what
+ * steps come down to, lies below the largest 1 - w² of a point, and above the mean, 0.08 for normal
+ * noise. The slope of one error over the one before is 1 but for what other modes still add at the
+ * first of these steps. */
 static void noisy_points_are_met_linearly(void **state) {
   (void)state;
   enum { STEPS = 12, FIRST = 4, LAST = 10 };

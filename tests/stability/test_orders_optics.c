@@ -91,9 +91,10 @@ static void spread_rays_converge(void **state) {
 }
 
 /* Rays that are counted: an N-th of the light too much or too little for each that the rim takes in
- * or leaves out. Rays at random are of order -1/2; of points as even as these the N^1/2 along the rim
- * scatter as much as independent ones at most, which is -3/4; no better than one ray is -1. Four
- * errors of that kind, each the largest of nine, scatter by some 0.1 of an order: 0.5 to 1.1. */
+ * or leaves out. Rays at random are of order -1/2; of points as even as these the N^1/2 along the
+ * rim scatter as much as independent ones at most, which is -3/4; no better than one ray is -1.
+ * Four errors of that kind, each the largest of nine, scatter by some 0.1 of an order: 0.5 to 1.1.
+ * */
 static void counted_rays_converge(enum placido_pattern_kind pattern, const char *name) {
   static const long counts[REFINEMENTS] = {1000, 6000, 36000, 216000};
   double spacing[REFINEMENTS], errors[REFINEMENTS];
@@ -131,11 +132,11 @@ static double bessel_i(int n, double x) {
   return sum;
 }
 
-/* The mean of exp(k x) over the disc is 2 I1(k) / k. Averaged over angles it is g(s) = I0(k sqrt(s)),
- * s = r², whose derivative of order m is at most (k²/4)^m / m! I0(k); Gauss-Legendre with n nodes on
- * (0, 1) errs by (n!)^4 / ((2n + 1) (2n)!^3) of the derivative of order 2n (Davis and Rabinowitz,
- * Methods of Numerical Integration, 2.7). 3n spokes alias I_3n, at most 2 (k/2)^3n / (3n)! I0(k).
- * Every ring squares away more than the one before: no fixed order, but this bound. */
+/* The mean of exp(k x) over the disc is 2 I1(k) / k. Averaged over angles it is g(s) = I0(k
+ * sqrt(s)), s = r², whose derivative of order m is at most (k²/4)^m / m! I0(k); Gauss-Legendre with
+ * n nodes on (0, 1) errs by (n!)^4 / ((2n + 1) (2n)!^3) of the derivative of order 2n (Davis and
+ * Rabinowitz, Methods of Numerical Integration, 2.7). 3n spokes alias I_3n, at most 2 (k/2)^3n /
+ * (3n)! I0(k). Every ring squares away more than the one before: no fixed order, but this bound. */
 static void quadrature_converges(void **state) {
   (void)state;
   enum { RINGS = 7, COUNT = 3 * RINGS * RINGS };

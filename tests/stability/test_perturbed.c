@@ -1,18 +1,18 @@
-/* Every number that goes into an examination moved by the least that it can, and by its own standard
- * deviation: what comes out moves in proportion, by no more than the fit itself says.
+/* Every number that goes into an examination moved by the least that it can, and by its own
+ * standard deviation: what comes out moves in proportion, by no more than the fit itself says.
  *
  * Let X be a result and ∇X its derivatives by the edge points, whose length the fit tells as the
  * noise's part of its error bar over the noise: |∇X| = per_px. Errors δ in N points change X by at
- * most |∇X| |δ| = per_px √N rms(δ) (Cauchy and Schwarz). A point moved by one ulp is such an error; and
- * so is what rounding leaves in a residual, 71 operations on numbers as large as a point's place
- * (test_arithmetic_rays.c), once before and once after. */
+ * most |∇X| |δ| = per_px √N rms(δ) (Cauchy and Schwarz). A point moved by one ulp is such an error;
+ * and so is what rounding leaves in a residual, 71 operations on numbers as large as a point's
+ * place (test_arithmetic_rays.c), once before and once after. */
+#include "base/random.h"
+#include "tests/stability/seen.h"
 #include "tests/stability/table.h"
-#include "tests/stability/zone.h"
 #include "tests/support/truth.h"
 
 #include <float.h>
 #include <math.h>
-#include <placido/index.h>
 #include <placido/phantom.h>
 #include <placido/reconstruct.h>
 #include <placido/simulate.h>
@@ -31,27 +31,14 @@
 #define PUPIL_MM 5.0
 #define ROUNDINGS 71
 
-enum { ELEVATION, AXIAL, SIMK, DEFOCUS, ASTIGMATISM, COMA, SPHERICAL, RESULTS };
-
-static const struct {
-  const char *name, *unit;
-  int n, m; /* of a wavefront's term */
-} results[RESULTS] = {[ELEVATION] = {"elevation, rms", "um", 0, 0},
-                      [AXIAL] = {"axial power, rms", "D", 0, 0},
-                      [SIMK] = {"SimK", "D", 0, 0},
-                      [DEFOCUS] = {"z 2 0", "um", 2, 0},
-                      [ASTIGMATISM] = {"z 2 2", "um", 2, 2},
-                      [COMA] = {"z 3 -1", "um", 3, -1},
-                      [SPHERICAL] = {"z 4 0", "um", 4, 0}};
-
 /* What may be moved of the instrument, along a mode of its uncertainty each. */
 enum { FOCAL, PRINCIPAL, CAMERA_X, CAMERA_Z, DISTORTION, ONE_RADIUS, ONE_HEIGHT, ALL_RADII, MODES };
 
 /* `relative`: a standard deviation over what it is compared with, which is how far the second order
- * lags behind the first: a focal length of 10800 px, the 240 px that the mires reach from the middle,
- * the cornea's radius of 7.8 mm, the camera's 120 mm; of k1 times the field's squared angle, 1e-3; of
- * one edge against the others what the loss makes of it, whose weights change by up to δ / (3 noise)
- * where it moves by δ: 0.002 mm are 0.8 of the noise. */
+ * lags behind the first: a focal length of 10800 px, the 240 px that the mires reach from the
+ * middle, the cornea's radius of 7.8 mm, the camera's 120 mm; of k1 times the field's squared
+ * angle, 1e-3; of one edge against the others what the loss makes of it, whose weights change by up
+ * to δ / (3 noise) where it moves by δ: 0.002 mm are 0.8 of the noise. */
 static const struct {
   const char *name, *unit;
   double sigma, relative;
@@ -63,12 +50,6 @@ static const struct {
                   [ONE_RADIUS] = {"an edge's radius", "mm", 0.002, 0.27},
                   [ONE_HEIGHT] = {"an edge's z", "mm", 0.002, 0.27},
                   [ALL_RADII] = {"all edges' radii", "mm", 0.01, 0.01 / 7.8}};
-
-/* A surface as these tests see it. */
-struct seen {
-  struct zone zone;
-  double numbers[RESULTS]; /* from SIMK on */
-};
 
 static struct bench {
   placido_surface *eye;
@@ -109,36 +90,6 @@ static placido_fit *fit_of(placido_mires *mires, const placido_instrument *instr
   return fit;
 }
 
-static double simk_of(const placido_surface *surface) {
-  static placido_index_value values[PLACIDO_INDICES_MAX];
-  size_t count;
-  double simk = NAN;
-  assert_int_equal(placido_indices_find(values, &count, surface, NULL, NULL), PLACIDO_OK);
-  for (size_t i = 0; i < count; i++) {
-    simk = strcmp(values[i].name, "simk_mean_D") == 0 ? values[i].value : simk;
-  }
-  assert_false(isnan(simk));
-  return simk;
-}
-
-/* `front`: its rays and its reference sphere are everybody's, as for the fit's error bars. */
-static void see(struct seen *seen, const placido_surface *surface, const placido_wavefront *front) {
-  double terms[PLACIDO_WAVEFRONT_TERMS];
-  zone_see(&seen->zone, surface, NULL);
-  assert_int_equal(placido_wavefront_again(terms, front, surface, NULL), PLACIDO_OK);
-  seen->numbers[SIMK] = simk_of(surface);
-  for (int k = DEFOCUS; k < RESULTS; k++) {
-    seen->numbers[k] = terms[placido_zernike_index(results[k].n, results[k].m)];
-  }
-}
-
-/* What became different of a result. */
-static double change_of(const struct seen *a, const struct seen *b, int result) {
-  return result == ELEVATION ? zone_difference(a->zone.height_um, b->zone.height_um)
-         : result == AXIAL   ? zone_difference(a->zone.axial_D, b->zone.axial_D)
-                             : fabs(a->numbers[result] - b->numbers[result]);
-}
-
 /* Roots of the sums of squares of what a source's variants change. */
 static void responses(double out[RESULTS], enum placido_sigma_source source) {
   memset(out, 0, RESULTS * sizeof *out);
@@ -147,9 +98,9 @@ static void responses(double out[RESULTS], enum placido_sigma_source source) {
       placido_surface *variant;
       struct seen seen;
       assert_int_equal(placido_fit_variant(&variant, bench.fit, v, NULL), PLACIDO_OK);
-      see(&seen, variant, &bench.front);
+      seen_of(&seen, variant, &bench.front);
       for (int k = 0; k < RESULTS; k++) {
-        double change = change_of(&seen, &bench.seen, k);
+        double change = seen_change(&seen, &bench.seen, k);
         out[k] += change * change;
       }
       placido_surface_free(variant);
@@ -161,37 +112,25 @@ static void responses(double out[RESULTS], enum placido_sigma_source source) {
 }
 
 static double noise_at(uint64_t key) {
-  double uniform[2];
-  for (int i = 0; i < 2; i++) { /* SplitMix64 */
-    key += 0x9e3779b97f4a7c15u;
-    uint64_t z = key;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    uniform[i] = ((double)((z ^ (z >> 31)) >> 11) + 0.5) / 9007199254740992.0;
-  }
-  return sqrt(-2 * log(uniform[0])) * cos(2 * M_PI * uniform[1]);
+  return placido_random_normal(8, 0, key);
 }
 
-/* Ulps of the largest places of points, px. */
-static double ulp_px(void) {
-  return 1024 * DBL_EPSILON;
-}
-
-/* By how much rounding alone may move results, in the sense of the file's comment. */
+/* By how much rounding alone may move results, in the sense of the file's comment: half an ulp of
+ * the largest places of points an operation. */
 static double rounding_px(void) {
-  return 2 * ROUNDINGS * ulp_px() / 2;
+  return 2 * ROUNDINGS * 1024 * DBL_EPSILON / 2;
 }
 
 static void add_row(const char *what, int result, double perturbation, const char *unit,
                     double condition, double change, double bound) {
   char name[80];
-  snprintf(name, sizeof name, "%s: %s", what, results[result].name);
+  snprintf(name, sizeof name, "%s: %s", what, seen_results[result].name);
   const struct stability_row row = {.name = name,
                                     .condition = condition,
                                     .perturbation = perturbation,
                                     .in_unit = unit,
                                     .change = change,
-                                    .out_unit = results[result].unit,
+                                    .out_unit = seen_results[result].unit,
                                     .bound = bound,
                                     .extended = NAN};
   stability_add(&row);
@@ -223,12 +162,13 @@ static void add_flips(const char *what, size_t count, double most) {
 static size_t refit(struct seen *seen, placido_mires *mires, const placido_instrument *instrument,
                     double axis_z_mm) {
   placido_fit *fit = fit_of(mires, instrument, axis_z_mm);
-  see(seen, placido_fit_surface(fit), &bench.front);
+  seen_of(seen, placido_fit_surface(fit), &bench.front);
   placido_fit_free(fit);
   return flips(mires, &bench.used);
 }
 
-/* No decision hangs on one ulp: a residual would have to lie within some 1e-13 px of a threshold. */
+/* No decision hangs on one ulp: a residual would have to lie within some 1e-13 px of a threshold.
+ */
 static void edges_by_an_ulp(void **state) {
   (void)state;
   placido_mires moved = copy_of(&bench.points);
@@ -245,19 +185,20 @@ static void edges_by_an_ulp(void **state) {
   size_t flipped = refit(&seen, &moved, &bench.instrument, bench.axis_z_mm);
   for (int k = 0; k < RESULTS; k++) {
     add_row("edge points by an ulp", k, rms_px, "px", bench.per_px[k],
-            change_of(&seen, &bench.seen, k),
+            seen_change(&seen, &bench.seen, k),
             bench.per_px[k] * sqrt((double)bench.points_used) * (rms_px + rounding_px()));
   }
   add_flips("edge points by an ulp", flipped, 0);
   placido_mires_free(&moved);
 }
 
-/* Independent errors of the points' own size, across and along the edges: a result changes by a normal
- * amount with per_px times that for its standard deviation, and by 5 of them once in 2 million; a root
- * mean square over a zone hangs on at least ten independent modes, and is no more than 1.2 times
- * that, beyond which a single number's 5 holds. Half of the points' errors along an edge say
- * nothing. Where points lie just at the limit, decisions flip: with 5 spreads for a limit and errors as
- * large as a spread those are few, below the share of a normal distribution beyond 5 less 3. */
+/* Independent errors of the points' own size, across and along the edges: a result changes by a
+ * normal amount with per_px times that for its standard deviation, and by 5 of them once in 2
+ * million; a root mean square over a zone hangs on at least ten independent modes, and is no more
+ * than 1.2 times that, beyond which a single number's 5 holds. Half of the points' errors along an
+ * edge say nothing. Where points lie just at the limit, decisions flip: with 5 spreads for a limit
+ * and errors as large as a spread those are few, below the share of a normal distribution beyond 5
+ * less 3. */
 static void edges_by_their_sigma(void **state) {
   (void)state;
   placido_mires moved = copy_of(&bench.points);
@@ -269,7 +210,7 @@ static void edges_by_their_sigma(void **state) {
   size_t flipped = refit(&seen, &moved, &bench.instrument, bench.axis_z_mm);
   for (int k = 0; k < RESULTS; k++) {
     add_row("edge points by their sigma", k, NOISE_PX, "px", bench.per_px[k],
-            change_of(&seen, &bench.seen, k), 5 * bench.per_px[k] * NOISE_PX);
+            seen_change(&seen, &bench.seen, k), 5 * bench.per_px[k] * NOISE_PX);
   }
   add_flips("edge points by their sigma", flipped, 0.023 * (double)moved.count);
   placido_mires_free(&moved);
@@ -288,7 +229,7 @@ static void one_edge_point(void **state) {
     snprintf(name, sizeof name, "one point by %g px", steps[s]);
     double rounding = sqrt((double)bench.points_used) * rounding_px();
     for (int k = 0; k < RESULTS; k++) {
-      add_row(name, k, steps[s], "px", bench.per_px[k], change_of(&seen, &bench.seen, k),
+      add_row(name, k, steps[s], "px", bench.per_px[k], seen_change(&seen, &bench.seen, k),
               bench.per_px[k] * (steps[s] + rounding));
     }
     add_flips(name, flipped, s == 2 ? 1 : 0); /* a mm's thousandth may cost itself its place */
@@ -296,21 +237,22 @@ static void one_edge_point(void **state) {
   }
 }
 
-/* The fit's own step of a source, scaled, and what a real refit gives. The second order is the first
- * one's relative size times what the step does to the surface as a whole, in the result's unit: it does
- * not vanish where the first order does by symmetry. Twice that, as results are curved, too.
+/* The fit's own step of a source, scaled, and what a real refit gives. The second order is the
+ * first one's relative size times what the step does to the surface as a whole, in the result's
+ * unit: it does not vanish where the first order does by symmetry. Twice that, as results are
+ * curved, too.
  *
- * The fit judges the points' noise by their residuals. Where points move by `apart_px` against others,
- * their weights change by apart / noise at most, and results as by random errors of that size, which
- * per_px has; three standard deviations of that. */
+ * The fit judges the points' noise by their residuals. Where points move by `apart_px` against
+ * others, their weights change by apart / noise at most, and results as by random errors of that
+ * size, which per_px has; three standard deviations of that. */
 static void compare_step(const char *name, const char *unit, double step, double sigma,
                          const double response[RESULTS], const struct seen *seen, double relative,
                          double apart_px) {
   double rounding = sqrt((double)bench.points_used) * rounding_px();
   for (int k = 0; k < RESULTS; k++) {
-    double whole = strcmp(results[k].unit, "D") == 0 ? response[AXIAL] : response[ELEVATION];
+    double whole = strcmp(seen_results[k].unit, "D") == 0 ? response[AXIAL] : response[ELEVATION];
     double bound = step / sigma * (response[k] + 2 * relative * whole);
-    add_row(name, k, step, unit, response[k] / sigma, change_of(seen, &bench.seen, k),
+    add_row(name, k, step, unit, response[k] / sigma, seen_change(seen, &bench.seen, k),
             bound + bench.per_px[k] * (rounding + 3 * apart_px));
   }
 }
@@ -332,7 +274,8 @@ static void distance(void **state) {
   }
 }
 
-/* A mode's variant has its response. Modes come in their order behind the noise and the distance. */
+/* A mode's variant has its response. Modes come in their order behind the noise and the distance.
+ */
 static void mode_response(double out[RESULTS], int mode) {
   int at = 0;
   for (int v = 0; v < placido_fit_variant_count(bench.fit); v++) {
@@ -340,9 +283,9 @@ static void mode_response(double out[RESULTS], int mode) {
       placido_surface *variant;
       struct seen seen;
       assert_int_equal(placido_fit_variant(&variant, bench.fit, v, NULL), PLACIDO_OK);
-      see(&seen, variant, &bench.front);
+      seen_of(&seen, variant, &bench.front);
       for (int k = 0; k < RESULTS; k++) {
-        out[k] = change_of(&seen, &bench.seen, k);
+        out[k] = seen_change(&seen, &bench.seen, k);
       }
       placido_surface_free(variant);
     }
@@ -350,7 +293,8 @@ static void mode_response(double out[RESULTS], int mode) {
   assert_int_equal(at > mode, 1);
 }
 
-/* How far the edge that a mode moves alone comes in the picture; the others move all edges alike. */
+/* How far the edge that a mode moves alone comes in the picture; the others move all edges alike.
+ */
 static double apart_px_of(int mode, const placido_instrument *moved) {
   double before[2], after[2];
   int edge = mode == ONE_RADIUS ? 20 : 33;
@@ -383,7 +327,8 @@ static void geometry(void **state) {
       size_t flipped = refit(&seen, &points, &instrument, bench.axis_z_mm);
       snprintf(name, sizeof name, "%s by %s", modes[mode].name, k == 0 ? "an ulp" : "its sigma");
       compare_step(name, modes[mode].unit, amount * modes[mode].sigma, modes[mode].sigma, response,
-                   &seen, k == 0 ? 0 : modes[mode].relative, k == 0 ? 0 : apart_px_of(mode, &instrument));
+                   &seen, k == 0 ? 0 : modes[mode].relative,
+                   k == 0 ? 0 : apart_px_of(mode, &instrument));
       add_flips(name, flipped, k == 0 ? 0 : 0.023 * (double)points.count);
       placido_mires_free(&points);
     }
@@ -417,7 +362,8 @@ static int set_up(void **state) {
   assert_int_equal(placido_phantom_instrument(&bench.instrument, "cone24", NULL), PLACIDO_OK);
   assert_int_equal(placido_phantom_eye(&bench.eye, "astigmatic", NULL), PLACIDO_OK);
   assert_int_equal(
-      placido_uncertainty_new(&bench.geometry, bench.instrument.edge_count, MODES, NULL), PLACIDO_OK);
+      placido_uncertainty_new(&bench.geometry, bench.instrument.edge_count, MODES, NULL),
+      PLACIDO_OK);
   fill_geometry();
   assert_true(placido_surface_at(bench.eye, 0, 0, &jet));
   bench.axis_z_mm = placido_surface_vertex_z_mm(bench.eye) - jet.sag + 0.01; /* no round number */
@@ -427,10 +373,10 @@ static int set_up(void **state) {
   placido_fit_summary summary = placido_fit_summary_get(bench.fit);
   assert_false(summary.axis_z_solved);
   bench.points_used = summary.points_used;
-  assert_int_equal(placido_wavefront_new(&bench.front, placido_fit_surface(bench.fit), &behind, NULL,
-                                         NULL, NULL),
+  assert_int_equal(placido_wavefront_new(&bench.front, placido_fit_surface(bench.fit), &behind,
+                                         NULL, NULL, NULL),
                    PLACIDO_OK);
-  see(&bench.seen, placido_fit_surface(bench.fit), &bench.front);
+  seen_of(&bench.seen, placido_fit_surface(bench.fit), &bench.front);
   responses(bench.per_px, PLACIDO_SIGMA_NOISE);
   for (int k = 0; k < RESULTS; k++) {
     bench.per_px[k] /= summary.sigma_px;

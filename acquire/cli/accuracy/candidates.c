@@ -49,7 +49,7 @@ int table_eyes_list(struct table_eyes *eyes, const struct accuracy_table *table,
 /* What a knob is where a setting does not name it, of each stage that is chosen from. */
 static const char *const finest[ACCURACY_STAGES] = {
     [ACCURACY_MIRES] = "meridians=1440 filter_px=1",
-    [ACCURACY_FIT] = "knot_mm=0.2 degree=5 tolerance=0",
+    [ACCURACY_FIT] = "knot_mm=0 degree=5 tolerance=0.001",
     [ACCURACY_TRACE] = "samples=800 pattern=crosshatch light=spread",
     [ACCURACY_PSF] = "",
     [ACCURACY_CONVOLUTION] = "",
@@ -98,8 +98,22 @@ static struct candidate *add(struct candidates *candidates, const char *setting,
   return added;
 }
 
+/* Knots that are finer than usual and fixed follow noise where a steep cone leaves few points, by
+ * micrometres, and only together with other knobs, so that no sum over stages tells: they are taken
+ * only where the command line asks for them. Those that the fit finds itself (0) do not. */
+#define FIXED_KNOT_MIN_MM 0.5
+
+static bool is_risky(enum accuracy_stage stage, const char *setting, const char *fixed) {
+  struct knob knot, asked;
+  const double knot_mm = stage == ACCURACY_FIT && knob_find(&knot, setting, "knot_mm")
+                             ? knob_number(knot.value)
+                             : 0;
+  return knot_mm > 0 && knot_mm < FIXED_KNOT_MIN_MM && !knob_find(&asked, fixed, "knot_mm");
+}
+
 static int gather(struct candidates *candidates, const struct accuracy_table *table,
-                  const struct table_eyes *eyes, enum accuracy_stage stage, placido_error *err) {
+                  const struct table_eyes *eyes, enum accuracy_stage stage,
+                  const char *fixed, placido_error *err) {
   for (size_t i = 0; i < table->count; i++) {
     const struct accuracy_row *row = &table->rows[i];
     const size_t eye = find_eye(eyes, row->eye);
@@ -108,6 +122,9 @@ static int gather(struct candidates *candidates, const struct accuracy_table *ta
     }
     char setting[96];
     complete(setting, stage, row->setting);
+    if (is_risky(stage, setting, fixed)) {
+      continue;
+    }
     struct candidate *c = find(candidates, setting);
     if (!c) {
       c = add(candidates, setting, err);
@@ -180,16 +197,16 @@ static bool find_neighbours(struct knob *below, struct knob *above,
     if (!knob_find(&knob, candidates->items[i].setting, wanted->name)) {
       continue;
     }
-    const double number = knob_number(knob.value);
+    const double number = knob_number(knob.value); /* 0 is the default, and no neighbour */
     if (knob_same(knob.value, wanted->value)) {
       exact = true;
       *below = *above = knob;
     }
-    if (!exact && number <= value && number > low) {
+    if (!exact && number != 0 && number <= value && number > low) {
       low = number;
       *below = knob;
     }
-    if (!exact && number >= value && number < high) {
+    if (!exact && number != 0 && number >= value && number < high) {
       high = number;
       *above = knob;
     }
@@ -276,7 +293,7 @@ int candidates_new(struct candidates *candidates, const struct accuracy_table *t
                    const struct table_eyes *eyes, enum accuracy_stage stage, const char *fixed,
                    placido_error *err) {
   *candidates = (struct candidates){0};
-  int status = gather(candidates, table, eyes, stage, err);
+  int status = gather(candidates, table, eyes, stage, fixed, err);
   drop_failed(candidates, eyes->count);
   for (size_t i = 0; i < candidates->count; i++) {
     fill_gaps(&candidates->items[i], eyes->count);

@@ -237,34 +237,44 @@ static void say_limit(struct accuracy_sentences *sentences, const struct accurac
   }
 }
 
-/* How much of an examination no knob changes. */
-static void say_rest(struct accuracy_sentences *sentences, const struct accuracy_table *table) {
-  double rest_ms = 0, cheapest_ms = NAN;
+/* The longest time of a part in any eye; 0 where row number `index` is not its first. */
+static double part_ms(const struct accuracy_table *table, size_t index) {
+  double most = 0;
   for (size_t i = 0; i < table->count; i++) {
     const struct accuracy_row *row = &table->rows[i];
-    double largest = 0;
-    bool first = row->stage == ACCURACY_REST;
-    for (size_t k = 0; k < table->count && first; k++) {
-      const struct accuracy_row *other = &table->rows[k];
-      if (other->stage == ACCURACY_REST && strcmp(other->setting, row->setting) == 0) {
-        first = k >= i;
-        largest = fmax(largest, other->ms);
+    if (row->stage == ACCURACY_REST && strcmp(row->setting, table->rows[index].setting) == 0) {
+      if (i < index) {
+        return 0;
       }
+      most = fmax(most, row->ms);
     }
-    rest_ms += first ? largest : 0;
-    cheapest_ms = row->stage == ACCURACY_EXAM ? fmin(cheapest_ms, row->ms) : cheapest_ms;
+  }
+  return most;
+}
+
+/* How much of an examination no knob changes. */
+static void say_rest(struct accuracy_sentences *sentences, const struct accuracy_table *table) {
+  struct accuracy_point exams[POINTS_MAX];
+  const size_t count = accuracy_points_find(exams, POINTS_MAX, table, ACCURACY_EXAM,
+                                            judged[ACCURACY_EXAM].error);
+  const struct accuracy_point *quickest = cheapest_within(exams, count, INFINITY);
+  double rest_ms = 0;
+  for (size_t i = 0; i < table->count; i++) {
+    rest_ms += table->rows[i].stage == ACCURACY_REST ? part_ms(table, i) : 0;
   }
   char *text = rest_ms > 0 ? new_sentence(sentences, ACCURACY_REST) : NULL;
   if (!text) {
     return;
   }
-  char rest[32], whole[32];
-  say_ms(rest, rest_ms);
-  say_ms(whole, cheapest_ms);
+  char ms[32];
+  say_ms(ms, rest_ms);
   append(text, ACCURACY_SENTENCE_SIZE,
-         "Maps, indices, wavefront and the search for focus take %s, which no knob changes", rest);
-  if (isfinite(cheapest_ms)) {
-    append(text, ACCURACY_SENTENCE_SIZE, "; the quickest examination as a whole takes %s", whole);
+         "Maps, indices, wavefront and the search for focus take up to %s, which no knob changes",
+         ms);
+  if (quickest) {
+    say_ms(ms, quickest->ms);
+    append(text, ACCURACY_SENTENCE_SIZE, "; the quickest examination as a whole takes up to %s",
+           ms);
   }
   append(text, ACCURACY_SENTENCE_SIZE, ".");
 }
@@ -282,7 +292,7 @@ static void say_floor(struct accuracy_sentences *sentences, const struct accurac
   append(text, ACCURACY_SENTENCE_SIZE, "With everything at its finest %s is wrong in the hardest "
          "eye", height);
   if (isfinite(otf)) {
-    append(text, ACCURACY_SENTENCE_SIZE, ", and %s", transfer);
+    append(text, ACCURACY_SENTENCE_SIZE, ", and %s of the transfer function", transfer);
   }
   append(text, ACCURACY_SENTENCE_SIZE, ": noise and camera, which no knob changes.");
 }

@@ -4,7 +4,8 @@
 
 #include "reconstruct/solve/doubt/mask.h"
 
-#define PLACIDO_CONTRADICT_REACH_MM 0.25 /* about such a place; what was set aside pulls at nothing */
+#define PLACIDO_CONTRADICT_REACH_MM                                                                \
+  0.25 /* about such a place; what was set aside pulls at nothing */
 
 /* The places of the samples that were set aside for being off the surface where more of the samples
  * about are so than are not, into room for `count`, and how many these are. `sigma_px` is the

@@ -4,13 +4,15 @@
 #include "reconstruct/solve/doubt/numbering.h"
 
 #include "base/memory.h"
+#include "reconstruct/median.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define JUMP 0.5     /* of the distance of edges of one polarity: edges run on */
-#define CONTACTS 3   /* jumps at a group's border that make it doubtful */
+#define PARTED 1.8   /* of the usual distance of two edges: one between them was numbered wrongly */
+#define CONTACTS 2   /* jumps at a group's border that make it doubtful */
 #define SHIFT_MOST 4 /* edges by which a number may be wrong */
 #define MOVED_MIN 10 /* fewer points than these are strays */
 
@@ -20,6 +22,7 @@ typedef struct table {
   const placido_sample *samples;
   const placido_mires *mires;
   size_t *at;
+  double *usual_px; /* distance of each edge and the next, the median of all meridians; NaN */
 } table;
 
 static int meridian_of(const table *t, size_t sample) {
@@ -39,25 +42,50 @@ static long sample_at(const table *t, int edge, int meridian) {
   return (long)t->at[edge * t->meridians + (meridian + t->meridians) % t->meridians] - 1;
 }
 
+static double radius_px(const table *t, long sample) {
+  const placido_mire_point *p = &t->mires->points[t->samples[sample].point];
+  return hypot(p->u_px - t->mires->centre_u_px, p->v_px - t->mires->centre_v_px);
+}
+
+/* `gaps` has room for all meridians. */
+static void find_usual(table *t, double *gaps) {
+  for (int edge = 0; edge < t->edges; edge++) {
+    size_t n = 0;
+    for (int m = 0; m < t->meridians; m++) {
+      long inner = sample_at(t, edge, m), outer = sample_at(t, edge + 1, m);
+      if (inner >= 0 && outer >= 0) {
+        gaps[n++] = radius_px(t, outer) - radius_px(t, inner);
+      }
+    }
+    t->usual_px[edge] = placido_quantile(gaps, n, 0.5);
+  }
+}
+
 static int table_new(table *t, const placido_sample *samples, size_t count,
                      const placido_mires *mires, placido_error *err) {
   *t = (table){.edges = mires->edge_count,
                .meridians = mires->meridian_count,
                .samples = samples,
                .mires = mires};
-  t->at = placido_memory_new((size_t)t->edges * (size_t)t->meridians, sizeof *t->at, err);
-  if (!t->at) {
-    return PLACIDO_MEMORY;
+  size_t meridians = (size_t)t->meridians;
+  t->at = placido_memory_new((size_t)t->edges * meridians, sizeof *t->at, err);
+  t->usual_px = placido_memory_new((size_t)t->edges, sizeof *t->usual_px, err);
+  double *gaps = placido_memory_new(meridians, sizeof *gaps, err);
+  int status = t->at && t->usual_px && gaps ? PLACIDO_OK : PLACIDO_MEMORY;
+  if (!status) {
+    for (size_t i = 0; i < count; i++) {
+      t->at[edge_of(t, i) * t->meridians + meridian_of(t, i)] = i + 1;
+    }
+    find_usual(t, gaps);
   }
-  for (size_t i = 0; i < count; i++) {
-    t->at[edge_of(t, i) * t->meridians + meridian_of(t, i)] = i + 1;
-  }
-  return PLACIDO_OK;
+  placido_memory_free(gaps);
+  return status;
 }
 
-static double radius_px(const table *t, long sample) {
-  const placido_mire_point *p = &t->mires->points[t->samples[sample].point];
-  return hypot(p->u_px - t->mires->centre_u_px, p->v_px - t->mires->centre_v_px);
+/* Whether the next edge outwards, on the same meridian, is not where the next one is elsewhere. */
+static bool are_parted(const table *t, long inner, long outer) {
+  double gap = radius_px(t, outer) - radius_px(t, inner);
+  return !(gap > 0 && gap < PARTED * t->usual_px[edge_of(t, (size_t)inner)]);
 }
 
 /* Whether an edge jumps from sample a to sample b on the next meridian. */
@@ -101,7 +129,7 @@ static size_t join_all(const table *t, size_t count, size_t *parents) {
     if (next >= 0 && !jump) {
       join(parents, i, (size_t)next);
     }
-    if (outer >= 0) {
+    if (outer >= 0 && !are_parted(t, (long)i, outer)) {
       join(parents, i, (size_t)outer);
     }
   }
@@ -148,6 +176,7 @@ int placido_numbering_doubt(placido_sample *samples, size_t count, const placido
     }
   }
   placido_memory_free(t.at);
+  placido_memory_free(t.usual_px);
   placido_memory_free(parents);
   return status;
 }

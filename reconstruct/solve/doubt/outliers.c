@@ -138,8 +138,8 @@ int placido_outliers_judge(const placido_sample *samples, size_t count,
   if (spread > DOUBTFUL * fmax(rough, SPREAD_MIN_PX)) {
     placido_notes_add(notes,
                       "the mires lie %.2f px off the fitted surface, %.0f times their own noise: "
-                      "the instrument's geometry, the distance or the numbering does not fit, and "
-                      "the error bars do not know of it",
+                      "the instrument's geometry, the distance, the numbering or knots this "
+                      "coarse do not fit, and the error bars do not know of it",
                       spread, spread / rough);
   }
   return PLACIDO_OK;

@@ -195,8 +195,8 @@ static void assemble_axis(placido_refinement *r) {
   placido_normal_add(r->normal, basis.column, basis.row, block, right);
 }
 
-/* Calls a function for every cell with threads side by side: those that are `order` rows apart share
- * no coefficients, and every sum is made in the same order by any number of threads. */
+/* Calls a function for every cell with threads side by side: those that are `order` rows apart
+ * share no coefficients, and every sum is made in the same order by any number of threads. */
 typedef void cell_visitor(double *rights, const placido_refinement *r, int column, int row,
                           const void *context);
 

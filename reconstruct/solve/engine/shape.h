@@ -16,7 +16,8 @@ typedef struct placido_shape {
   const double *coefficients;
 } placido_shape;
 
-/* Where on the spline: a cell, the place in it, 0 to 1 each way, and the grid's order and spacing. */
+/* Where on the spline: a cell, the place in it, 0 to 1 each way, and the grid's order and spacing.
+ * */
 typedef struct placido_spot {
   int column, row, order;
   double x, y, knot_mm;

@@ -1,5 +1,5 @@
-/* Uniform quintic and cubic B-splines by the Cox-de Boor recurrence (de Boor, A Practical Guide to Splines).
- */
+/* Uniform quintic and cubic B-splines by the Cox-de Boor recurrence (de Boor, A Practical Guide to
+ * Splines). */
 #include "reconstruct/solve/engine/spline.h"
 
 #include "reconstruct/vector.h"

@@ -40,8 +40,8 @@ bool placido_grid_locate(const placido_grid *grid, double x_mm, double y_mm, int
 extern const double placido_spline_powers[PLACIDO_SPLINE_ORDER][PLACIDO_SPLINE_ORDER];
 extern const double placido_spline_powers_cubic[PLACIDO_SPLINE_ORDER][PLACIDO_SPLINE_ORDER];
 
-/* The spline in one cell as a polynomial of the place: Σ polynomial[m · ORDER + n] yᵐ xⁿ; of a lower
- * degree, too. */
+/* The spline in one cell as a polynomial of the place: Σ polynomial[m · ORDER + n] yᵐ xⁿ; of a
+ * lower degree, too. */
 void placido_grid_polynomial(const placido_grid *grid, const double *coefficients, int column,
                              int row, double polynomial[PLACIDO_SPLINE_CELL]);
 
