@@ -60,8 +60,9 @@ static enum accuracy_name point_of(const struct settings *settings) {
   return named == ACCURACY_UNNAMED ? ACCURACY_STANDARD : named;
 }
 
-/* Buckets are what a point spread function is given in, and no knob of its accuracy. Rays stay a crosshatch whose light is spread, unless the command line says otherwise: counted
- * ones leave speckle that no error tells of. */
+/* Buckets are what a point spread function is given in, and no knob of its accuracy. Rays stay a
+ * crosshatch whose light is spread, unless the command line says otherwise: counted ones leave
+ * speckle that no error tells of. */
 void promise_fix(char *fixed, size_t size, const struct settings *settings,
                  const struct choosable *choosable) {
   const char *point = points[point_of(settings)].setting;

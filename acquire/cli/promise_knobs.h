@@ -23,7 +23,7 @@ void promise_fix(char *fixed, size_t size, const struct settings *settings,
 void promise_apply(struct settings *settings, const struct accuracy_choice *choice,
                    const struct choosable *choosable);
 
-/* Calls `each` with the name and value of every knob of a choice that is not left at its default. */
+/* Calls `each` with the name and value of every knob of a choice that is not at its default. */
 void promise_each_knob(const struct accuracy_choice *choice,
                        void (*each)(void *user, const char *name, const char *value), void *user);
 

@@ -18,8 +18,8 @@ quad exact_pi(void) {
   return acosq(-1);
 }
 
-static quad amplification_of(const struct exact *exact, const quad *x, const void *context,
-                             quad value) {
+quad exact_amplification(const struct exact *exact, const quad *x, const void *context,
+                         quad value) {
   quad moved[INPUTS_MAX], sum = fabsq(value);
   assert_true(exact->inputs <= INPUTS_MAX);
   for (int i = 0; i < exact->inputs; i++) {
@@ -68,7 +68,8 @@ void exact_compare(struct exact_worst *worst, const struct exact *exact, const d
     in[i] = x[i];
   }
   quad value = exact->formula(in, context);
-  exact_compare_value(worst, exact, value, amplification_of(exact, in, context, value), computed);
+  exact_compare_value(worst, exact, value, exact_amplification(exact, in, context, value),
+                      computed);
 }
 
 void exact_row(const struct exact *exact, const struct exact_worst *worst) {

@@ -41,6 +41,9 @@ struct exact_worst {
 void exact_compare(struct exact_worst *worst, const struct exact *exact, const double *x,
                    const void *context, double computed);
 
+/* Σ |x_i ∂f/∂x_i| + |f| where f is `value`. */
+quad exact_amplification(const struct exact *exact, const quad *x, const void *context, quad value);
+
 /* The same for a value and amplification Σ |x_i ∂f/∂x_i| + |f| that are known. */
 void exact_compare_value(struct exact_worst *worst, const struct exact *exact, quad value,
                          quad amplification, double computed);

@@ -28,7 +28,8 @@ bool table_eye_measurable(const struct accuracy_table *table, const char *eye) {
   return true;
 }
 
-int table_eyes_list(struct table_eyes *eyes, const struct accuracy_table *table, placido_error *err) {
+int table_eyes_list(struct table_eyes *eyes, const struct accuracy_table *table,
+                    placido_error *err) {
   *eyes = (struct table_eyes){0};
   for (size_t i = 0; i < table->count; i++) {
     const char *name = table->rows[i].eye;
@@ -77,6 +78,20 @@ static struct candidate *find(const struct candidates *candidates, const char *s
     }
   }
   return NULL;
+}
+
+#define EYES_ENOUGH 4
+
+void slowest_add(struct slowest *slowest, double ms) {
+  slowest->second_ms = fmax(slowest->second_ms, fmin(ms, slowest->first_ms));
+  slowest->first_ms = fmax(slowest->first_ms, ms);
+  slowest->eyes++;
+}
+
+double slowest_ms(const struct slowest *slowest, enum accuracy_stage stage) {
+  const bool seen =
+      stage == ACCURACY_TRACE || stage == ACCURACY_ACUITY || stage == ACCURACY_REST;
+  return seen && slowest->eyes >= EYES_ENOUGH ? slowest->second_ms : slowest->first_ms;
 }
 
 static struct candidate *add(struct candidates *candidates, const char *setting,
@@ -134,7 +149,8 @@ static int gather(struct candidates *candidates, const struct accuracy_table *ta
     }
     double *error = c->error[eye];
     c->measured[eye] = true;
-    c->ms = fmax(c->ms, row->ms);
+    slowest_add(&c->slowest, row->ms);
+    c->ms = slowest_ms(&c->slowest, stage);
     for (int k = 0; k < ACCURACY_ERRORS; k++) {
       error[k] = fmax(error[k], row->error[k]);
     }
@@ -186,7 +202,7 @@ static void take_worse(struct candidate *c, const struct candidate *other) {
   }
 }
 
-/* The values of a knob between which `value` lies, or which it is, written as the table has them. */
+/* The values of a knob between which the wanted one lies, or which it is, as the table has them. */
 static bool find_neighbours(struct knob *below, struct knob *above,
                             const struct candidates *candidates, const struct knob *wanted) {
   const double value = knob_number(wanted->value);

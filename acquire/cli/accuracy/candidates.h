@@ -8,9 +8,22 @@
 
 #define ACCURACY_EYES_MAX 64
 
+/* The times of the two eyes that take longest. */
+struct slowest {
+  double first_ms, second_ms;
+  size_t eyes;
+};
+
+void slowest_add(struct slowest *slowest, double ms);
+
+/* The longest; of what is seen, where there are enough eyes, the second: the window of one eye's
+ * point spread function may have grown, which that of an examination does not. */
+double slowest_ms(const struct slowest *slowest, enum accuracy_stage stage);
+
 struct candidate {
   char setting[96];
-  double ms; /* largest of the eyes */
+  struct slowest slowest;
+  double ms; /* that counts */
   bool measured[ACCURACY_EYES_MAX];
   double error[ACCURACY_EYES_MAX][ACCURACY_ERRORS]; /* 0 where it leaves none */
 };

@@ -30,7 +30,7 @@ struct search {
 
   enum goal goal;
   int error;                               /* of GOAL_ERROR */
-  const struct candidate *at[ACCURACY_STAGES]; /* the choice being looked at; NULL: does not count */
+  const struct candidate *at[ACCURACY_STAGES]; /* being looked at; NULL: does not count */
   const struct candidate *best[ACCURACY_STAGES];
   double best_value, best_time_ms;
 };
@@ -304,15 +304,15 @@ static int gather(struct search *s, const struct accuracy_table *table, placido_
 
 double accuracy_setting_ms(const struct accuracy_table *table, enum accuracy_stage stage,
                            const char *setting, double speed) {
-  double most_ms = 0;
+  struct slowest slowest = {0};
   for (size_t i = 0; i < table->count; i++) {
     const struct accuracy_row *row = &table->rows[i];
     if (row->stage == stage && strcmp(row->setting, setting) == 0 &&
         table_eye_measurable(table, row->eye)) {
-      most_ms = fmax(most_ms, row->ms);
+      slowest_add(&slowest, row->ms);
     }
   }
-  return most_ms * speed;
+  return slowest_ms(&slowest, stage) * speed;
 }
 
 static double parts_ms(const struct accuracy_table *table, const struct accuracy_wish *wish) {

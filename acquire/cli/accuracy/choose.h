@@ -26,22 +26,23 @@ struct accuracy_choice {
   double stage_ms[ACCURACY_STAGES];  /* of which, all its runs together */
 };
 
-/* One setting of each stage that counts. What a choice leaves of an error in an eye is at most the sum
- * of what its stages leave, each measured with the others at their finest, and of the floor
+/* One setting of each stage that counts. What a choice leaves of an error in an eye is at most the
+ * sum of what its stages leave, each measured with the others at their finest, and of the floor
  * (triangle inequality); promised is the largest of the table's eyes. Likewise the time is the sum
  * of each stage's largest.
  *
  * With an error's limit: of the choices within all limits the cheapest. With none, the one that
- * remains nearest to the least errors within the time; a hundredth of them is worth no time. A fixed knob that the table does not have
- * takes the worse of the neighbours on either side of it. A stage that is not needed and that the table
- * does not tell of leaves the errors that it makes, and the time, unknown.
- * Returns PLACIDO_OK; PLACIDO_QUALITY: nothing reaches it (the sentence says what can be reached, and
+ * remains nearest to the least errors within the time; a hundredth of them is worth no time. A fixed
+ * knob that the table does not have takes the worse of the neighbours on either side of it. A stage
+ * that is not needed and that the table does not tell of leaves the errors that it makes, and the
+ * time, unknown.
+ * Returns PLACIDO_OK; PLACIDO_QUALITY: nothing reaches it (the sentence says what can be reached and
  * what limits it), or the table does not tell; PLACIDO_MEMORY. */
 int accuracy_choose(struct accuracy_choice *choice, const struct accuracy_table *table,
                     const struct accuracy_wish *wish, placido_error *err);
 
-/* What a setting, written as in the table, takes on this machine: the largest of the eyes'; 0 where
- * the table does not have it. */
+/* What a setting, written as in the table, takes on this machine (slowest_ms); 0 where the table
+ * does not have it. */
 double accuracy_setting_ms(const struct accuracy_table *table, enum accuracy_stage stage,
                            const char *setting, double speed);
 

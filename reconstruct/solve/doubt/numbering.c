@@ -10,11 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define JUMP 0.5     /* of the distance of edges of one polarity: edges run on */
-#define PARTED 1.8   /* of the usual distance of two edges: one between them was numbered wrongly */
-#define CONTACTS 2   /* jumps at a group's border that make it doubtful */
-#define SHIFT_MOST 4 /* edges by which a number may be wrong */
-#define MOVED_MIN 10 /* fewer points than these are strays */
+#define JUMP 0.5   /* of the distance of edges of one polarity: edges run on */
+#define PARTED 1.8 /* of the usual distance of two edges: one between them was numbered wrongly */
+#define PARTS_MOST 0.1 /* of the points: more groups than that hang together by their meridians */
+#define CONTACTS 3     /* jumps at a group's border that make it doubtful */
+#define SHIFT_MOST 4   /* edges by which a number may be wrong */
+#define MOVED_MIN 10   /* fewer points than these are strays */
 
 /* Which sample lies where: its index and 1, or 0. */
 typedef struct table {
@@ -115,8 +116,9 @@ static long beside(const table *t, size_t i) {
   return sample_at(t, edge_of(t, i), meridian_of(t, i) + 1);
 }
 
-/* Joins what hangs together; returns the number of jumps. */
-static size_t join_all(const table *t, size_t count, size_t *parents) {
+/* Joins what hangs together, edges of a meridian only where they are not parted if `parts`; returns
+ * the number of jumps. */
+static size_t join_all(const table *t, size_t count, size_t *parents, bool parts) {
   size_t jumped = 0;
   for (size_t i = 0; i < count; i++) {
     parents[i] = i;
@@ -129,7 +131,7 @@ static size_t join_all(const table *t, size_t count, size_t *parents) {
     if (next >= 0 && !jump) {
       join(parents, i, (size_t)next);
     }
-    if (outer >= 0 && !are_parted(t, (long)i, outer)) {
+    if (outer >= 0 && !(parts && are_parted(t, (long)i, outer))) {
       join(parents, i, (size_t)outer);
     }
   }
@@ -155,6 +157,33 @@ static size_t measure_groups(const table *t, size_t count, size_t *parents, size
   return largest;
 }
 
+/* Whether a sample belongs to a doubtful group. */
+static bool is_doubtful(size_t *parents, const size_t *contacts, size_t largest, size_t i) {
+  size_t root = root_of(parents, i);
+  return root != largest && contacts[root] >= CONTACTS;
+}
+
+/* Takes the doubtful groups out of use, unless they are more than `most`. Returns how many points
+ * they have. `parents` has room for three lists. */
+static size_t doubt(placido_sample *samples, const table *t, size_t count, size_t *parents,
+                    bool parts, size_t most) {
+  size_t *sizes = parents + count, *contacts = parents + 2 * count, doubtful = 0;
+  memset(sizes, 0, 2 * count * sizeof *sizes);
+  if (join_all(t, count, parents, parts) == 0) {
+    return 0;
+  }
+  size_t largest = measure_groups(t, count, parents, sizes, contacts);
+  for (size_t i = 0; i < count; i++) {
+    doubtful += is_doubtful(parents, contacts, largest, i);
+  }
+  for (size_t i = 0; i < count && doubtful <= most; i++) {
+    if (is_doubtful(parents, contacts, largest, i)) {
+      samples[i].used = false;
+    }
+  }
+  return doubtful;
+}
+
 int placido_numbering_doubt(placido_sample *samples, size_t count, const placido_mires *mires,
                             size_t *doubtful, placido_error *err) {
   table t;
@@ -164,15 +193,11 @@ int placido_numbering_doubt(placido_sample *samples, size_t count, const placido
   if (!status && !parents) {
     status = PLACIDO_MEMORY;
   }
-  if (!status && join_all(&t, count, parents) > 0) {
-    size_t *sizes = parents + count, *contacts = parents + 2 * count;
-    size_t largest = measure_groups(&t, count, parents, sizes, contacts);
-    for (size_t i = 0; i < count; i++) {
-      size_t root = root_of(parents, i);
-      if (root != largest && contacts[root] >= CONTACTS) {
-        samples[i].used = false;
-        ++*doubtful;
-      }
+  if (!status) {
+    size_t most = (size_t)(PARTS_MOST * (double)count);
+    *doubtful = doubt(samples, &t, count, parents, true, most);
+    if (*doubtful > most) {
+      *doubtful = doubt(samples, &t, count, parents, false, count);
     }
   }
   placido_memory_free(t.at);
