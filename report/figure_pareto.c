@@ -162,7 +162,7 @@ static void draw_floor(const frame *f, double floor) {
   cairo_set_dash(cr, dashes, 2, 0);
   placido_canvas_line(f->canvas, LEFT, to_y(f, floor), RIGHT, to_y(f, floor));
   cairo_set_dash(cr, NULL, 0, 0);
-  placido_canvas_text(f->canvas, RIGHT - 8, to_y(f, floor) - 11, label_px, PLACIDO_RIGHT, true,
+  placido_canvas_text(f->canvas, LEFT + 8, to_y(f, floor) - 11, label_px, PLACIDO_LEFT, true,
                       "what measuring leaves, whatever the settings");
 }
 

@@ -113,22 +113,9 @@ static struct candidate *add(struct candidates *candidates, const char *setting,
   return added;
 }
 
-/* Knots that are finer than usual and fixed follow noise where a steep cone leaves few points, by
- * micrometres, and only together with other knobs, so that no sum over stages tells: they are taken
- * only where the command line asks for them. Those that the fit finds itself (0) do not. */
-#define FIXED_KNOT_MIN_MM 0.5
-
-static bool is_risky(enum accuracy_stage stage, const char *setting, const char *fixed) {
-  struct knob knot, asked;
-  const double knot_mm = stage == ACCURACY_FIT && knob_find(&knot, setting, "knot_mm")
-                             ? knob_number(knot.value)
-                             : 0;
-  return knot_mm > 0 && knot_mm < FIXED_KNOT_MIN_MM && !knob_find(&asked, fixed, "knot_mm");
-}
-
 static int gather(struct candidates *candidates, const struct accuracy_table *table,
                   const struct table_eyes *eyes, enum accuracy_stage stage,
-                  const char *fixed, placido_error *err) {
+                  placido_error *err) {
   for (size_t i = 0; i < table->count; i++) {
     const struct accuracy_row *row = &table->rows[i];
     const size_t eye = find_eye(eyes, row->eye);
@@ -137,9 +124,6 @@ static int gather(struct candidates *candidates, const struct accuracy_table *ta
     }
     char setting[96];
     complete(setting, stage, row->setting);
-    if (is_risky(stage, setting, fixed)) {
-      continue;
-    }
     struct candidate *c = find(candidates, setting);
     if (!c) {
       c = add(candidates, setting, err);
@@ -309,7 +293,7 @@ int candidates_new(struct candidates *candidates, const struct accuracy_table *t
                    const struct table_eyes *eyes, enum accuracy_stage stage, const char *fixed,
                    placido_error *err) {
   *candidates = (struct candidates){0};
-  int status = gather(candidates, table, eyes, stage, fixed, err);
+  int status = gather(candidates, table, eyes, stage, err);
   drop_failed(candidates, eyes->count);
   for (size_t i = 0; i < candidates->count; i++) {
     fill_gaps(&candidates->items[i], eyes->count);
