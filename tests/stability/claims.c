@@ -3,7 +3,7 @@
  * same sphere, images through the same lens and on the same retina, found for the fit. */
 #include "tests/stability/claims.h"
 
-#include "tests/support/near.h"
+#include "tests/support/named_index.h"
 
 #include <placido/acuity.h>
 #include <placido/index.h>
@@ -119,17 +119,6 @@ static void hold_maps(struct claim_result results[CLAIMS], const placido_fit *fi
   results[CLAIM_AXIAL] = result_of(&axial);
 }
 
-static const placido_index_value *index_named(const placido_index_value *values, size_t count,
-                                              const char *name) {
-  for (size_t i = 0; i < count; i++) {
-    if (strcmp(values[i].name, name) == 0) {
-      return &values[i];
-    }
-  }
-  fail_msg("no index %s", name);
-  return NULL;
-}
-
 static void hold_simk(struct claim_result results[CLAIMS], const placido_fit *fit,
                       const placido_surface *truth) {
   static const char *const simk[2] = {"simk_flat_D", "simk_steep_D"};
@@ -139,9 +128,9 @@ static void hold_simk(struct claim_result results[CLAIMS], const placido_fit *fi
                    PLACIDO_OK);
   assert_int_equal(placido_indices_find(right, &right_count, truth, NULL, NULL), PLACIDO_OK);
   for (int k = 0; k < 2; k++) {
-    const placido_index_value *value = index_named(found, found_count, simk[k]);
+    const placido_index_value *value = named_index(found, found_count, simk[k]);
     struct tally tally = {0};
-    add(&tally, value->value - index_named(right, right_count, simk[k])->value, value->sigma);
+    add(&tally, value->value - named_index(right, right_count, simk[k])->value, value->sigma);
     results[CLAIM_K1 + k] = result_of(&tally);
   }
 }

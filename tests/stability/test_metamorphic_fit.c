@@ -7,6 +7,7 @@
  * noise's part of its error bar over the noise. */
 #include "tests/stability/table.h"
 #include "tests/stability/zone.h"
+#include "tests/support/named_index.h"
 #include "tests/support/truth.h"
 
 #include <float.h>
@@ -37,14 +38,6 @@ static struct bench {
   struct zone zone;
   double per_px[2]; /* of height, and of axial power */
 } bench;
-
-static placido_mires copy_of(const placido_mires *mires) {
-  placido_mires copy = *mires;
-  copy.points = malloc(copy.count * sizeof *copy.points);
-  assert_non_null(copy.points);
-  memcpy(copy.points, mires->points, copy.count * sizeof *copy.points);
-  return copy;
-}
 
 static placido_fit *fit_of(placido_mires *mires, const placido_instrument *instrument,
                            double axis_z_mm) {
@@ -89,7 +82,7 @@ static int by_place(const void *a, const void *b) {
 
 /* The points where turn · (x, y) takes them, y upwards; in the order that lists of mires have. */
 static placido_mires turned(const double turn[2][2]) {
-  placido_mires mires = copy_of(&bench.points);
+  placido_mires mires = truth_copy(&bench.points);
   for (size_t i = 0; i < mires.count; i++) {
     placido_mire_point *p = &mires.points[i];
     double x = p->u_px - MIDDLE_PX, y = MIDDLE_PX - p->v_px;
@@ -152,7 +145,7 @@ static void symmetric_eyes(void **state) {
 static void moved_eyes(void **state) {
   (void)state;
   placido_instrument instrument = bench.instrument;
-  placido_mires mires = copy_of(&bench.points);
+  placido_mires mires = truth_copy(&bench.points);
   instrument.principal_px[0] += 64;
   instrument.principal_px[1] -= 37;
   for (size_t i = 0; i < mires.count; i++) {
@@ -164,24 +157,13 @@ static void moved_eyes(void **state) {
   compare("picture moved", &mires, &instrument, 0, NULL, 0);
   placido_mires_free(&mires);
   instrument = bench.instrument;
-  mires = copy_of(&bench.points);
+  mires = truth_copy(&bench.points);
   instrument.position_mm[2] += 4;
   for (int k = 0; k < instrument.edge_count; k++) {
     instrument.edges[k].z_mm += 4;
   }
   compare("everything moved along the axis", &mires, &instrument, 4, NULL, 4000);
   placido_mires_free(&mires);
-}
-
-static const placido_index_value *index_of(const placido_index_value *values, size_t count,
-                                           const char *name) {
-  for (size_t i = 0; i < count; i++) {
-    if (strcmp(values[i].name, name) == 0) {
-      return &values[i];
-    }
-  }
-  fail_msg("no index %s", name);
-  return NULL;
 }
 
 /* Simulated keratometry of the other eye: the same powers, the axis on the other side; turned by a
@@ -201,8 +183,8 @@ static void keratometry(void **state) {
     assert_int_equal(placido_indices_find(after, &again, placido_fit_surface(fit), NULL, NULL),
                      PLACIDO_OK);
     for (size_t i = 0; i < 3; i++) {
-      const placido_index_value *a = index_of(before, count, names[i]);
-      const placido_index_value *b = index_of(after, again, names[i]);
+      const placido_index_value *a = named_index(before, count, names[i]);
+      const placido_index_value *b = named_index(after, again, names[i]);
       double per_px = a->budget[PLACIDO_SIGMA_NOISE] / sigma_px;
       double expected = i < 2 ? a->value : k == 1 ? 180 - a->value : a->value + 90;
       double change = i < 2 ? b->value - expected : remainder(b->value - expected, 180);
@@ -232,7 +214,7 @@ static int set_up(void **state) {
   bench.instrument.width_px = bench.instrument.height_px = (int)(2 * MIDDLE_PX);
   assert_int_equal(placido_surface_new(&eye, 0, 6, parts, 2, NULL, NULL), PLACIDO_OK);
   bench.points = truth_points(eye, &bench.instrument, MERIDIANS, NOISE_PX, NULL);
-  bench.used = copy_of(&bench.points);
+  bench.used = truth_copy(&bench.points);
   bench.fit = fit_of(&bench.used, &bench.instrument, 0);
   zone_see(&bench.zone, placido_fit_surface(bench.fit), NULL);
   placido_fit_budget(bench.fit, ZONE_MM, budget);

@@ -1,6 +1,7 @@
 /* Eyes turned, mirrored, scaled and tilted: what they see follows to rounding. */
 #include "tests/simulate/eyes.h"
 #include "tests/simulate/planes.h"
+#include "tests/stability/cases.h"
 #include "tests/stability/table.h"
 
 #include <float.h>
@@ -19,15 +20,8 @@
 
 static void add_row(const char *name, double condition, double perturbation, const char *in_unit,
                     double change, const char *out_unit, double bound) {
-  const struct stability_row row = {.name = name,
-                                    .condition = condition,
-                                    .perturbation = perturbation,
-                                    .in_unit = in_unit,
-                                    .change = change,
-                                    .out_unit = out_unit,
-                                    .bound = bound,
-                                    .extended = NAN};
-  stability_add(&row);
+  const struct bounded row = {condition, perturbation, in_unit, change, out_unit, bound};
+  case_bounded(&row, "%s", name);
 }
 
 static placido_wavefront front_of(const placido_surface *surface, double pupil_mm) {

@@ -7,8 +7,10 @@
  * which loses 1 - exp(-c²/(4 f²)) of its correlation with that before; across, a cubic spline has
  * put it between the pixels nearly as sinc does, whose correlation falls by (π c)²/6. Edges differ
  * by the root of twice that of their noise. */
+#include "tests/stability/cases.h"
 #include "tests/stability/table.h"
 #include "tests/stability/zone.h"
+#include "tests/support/named_index.h"
 
 #include <float.h>
 #include <math.h>
@@ -49,17 +51,8 @@ static const struct symmetry {
 static void add_row(const struct symmetry *symmetry, const char *what, double condition,
                     double perturbation, const char *in_unit, double change, const char *out_unit,
                     double bound) {
-  char name[80];
-  snprintf(name, sizeof name, "%s: %s", symmetry->name, what);
-  const struct stability_row row = {.name = name,
-                                    .condition = condition,
-                                    .perturbation = perturbation,
-                                    .in_unit = in_unit,
-                                    .change = change,
-                                    .out_unit = out_unit,
-                                    .bound = bound,
-                                    .extended = NAN};
-  stability_add(&row);
+  const struct bounded row = {condition, perturbation, in_unit, change, out_unit, bound};
+  case_bounded(&row, "%s: %s", symmetry->name, what);
 }
 
 /* Where a turn about the picture's middle takes the middle of a pixel. */
@@ -165,17 +158,6 @@ static size_t compare_points(const struct found *found, const double turn[2][2],
   return alone;
 }
 
-static const placido_index_value *index_of(const placido_index_value *values, size_t count,
-                                           const char *name) {
-  for (size_t i = 0; i < count; i++) {
-    if (strcmp(values[i].name, name) == 0) {
-      return &values[i];
-    }
-  }
-  fail_msg("no index %s", name);
-  return NULL;
-}
-
 /* What independent errors of that size do: 5 standard deviations of per_px times it. A last step
  * leaves TOLERANCE of the noise in all N points from either side, per_px √N of that; a point that
  * only one picture has counts as much as its own residual, some 5 times the noise at most. */
@@ -198,8 +180,8 @@ static void compare_indices(const struct symmetry *symmetry, const struct found 
       placido_indices_find(after, &counts[1], placido_fit_surface(found->fit), NULL, NULL),
       PLACIDO_OK);
   for (size_t i = 0; i < 3; i++) {
-    const placido_index_value *a = index_of(before, counts[0], names[i]);
-    const placido_index_value *b = index_of(after, counts[1], names[i]);
+    const placido_index_value *a = named_index(before, counts[0], names[i]);
+    const placido_index_value *b = named_index(after, counts[1], names[i]);
     double per_px = a->budget[PLACIDO_SIGMA_NOISE] / placido_fit_summary_get(straight.fit).sigma_px;
     double deg = a->value * acos(-1) / 180;
     double x = t[0][0] * cos(deg) + t[0][1] * sin(deg), y = t[1][0] * cos(deg) + t[1][1] * sin(deg);

@@ -65,14 +65,6 @@ static struct bench {
   size_t points_used;
 } bench;
 
-static placido_mires copy_of(const placido_mires *mires) {
-  placido_mires copy = *mires;
-  copy.points = malloc(copy.count * sizeof *copy.points);
-  assert_non_null(copy.points);
-  memcpy(copy.points, mires->points, copy.count * sizeof *copy.points);
-  return copy;
-}
-
 static placido_fit *fit_of(placido_mires *mires, const placido_instrument *instrument,
                            double axis_z_mm) {
   placido_fit *fit;
@@ -171,7 +163,7 @@ static size_t refit(struct seen *seen, placido_mires *mires, const placido_instr
  */
 static void edges_by_an_ulp(void **state) {
   (void)state;
-  placido_mires moved = copy_of(&bench.points);
+  placido_mires moved = truth_copy(&bench.points);
   struct seen seen;
   double squares = 0;
   for (size_t i = 0; i < moved.count; i++) {
@@ -201,7 +193,7 @@ static void edges_by_an_ulp(void **state) {
  * less 3. */
 static void edges_by_their_sigma(void **state) {
   (void)state;
-  placido_mires moved = copy_of(&bench.points);
+  placido_mires moved = truth_copy(&bench.points);
   struct seen seen;
   for (size_t i = 0; i < moved.count; i++) {
     moved.points[i].u_px += NOISE_PX * noise_at(1000000 + 2 * i);
@@ -221,7 +213,7 @@ static void one_edge_point(void **state) {
   (void)state;
   static const double steps[] = {1e-9, 1e-6, 1e-3};
   for (size_t s = 0; s < sizeof steps / sizeof steps[0]; s++) {
-    placido_mires moved = copy_of(&bench.points);
+    placido_mires moved = truth_copy(&bench.points);
     struct seen seen;
     char name[48];
     moved.points[moved.count / 3].u_px += steps[s];
@@ -263,7 +255,7 @@ static void distance(void **state) {
   responses(response, PLACIDO_SIGMA_DISTANCE);
   for (int k = 0; k < 2; k++) {
     struct seen seen;
-    placido_mires points = copy_of(&bench.points);
+    placido_mires points = truth_copy(&bench.points);
     double z = k == 0 ? nextafter(bench.axis_z_mm, 1) : bench.axis_z_mm + AXIS_SIGMA_MM;
     double step = z - bench.axis_z_mm;
     size_t flipped = refit(&seen, &points, &bench.instrument, z);
@@ -320,7 +312,7 @@ static void geometry(void **state) {
         continue; /* next to 0 there is no ulp that counts */
       }
       placido_instrument instrument;
-      placido_mires points = copy_of(&bench.points);
+      placido_mires points = truth_copy(&bench.points);
       struct seen seen;
       char name[48];
       placido_uncertainty_apply(&instrument, &bench.instrument, &bench.geometry, mode, amount);
@@ -368,7 +360,7 @@ static int set_up(void **state) {
   assert_true(placido_surface_at(bench.eye, 0, 0, &jet));
   bench.axis_z_mm = placido_surface_vertex_z_mm(bench.eye) - jet.sag + 0.01; /* no round number */
   bench.points = truth_points(bench.eye, &bench.instrument, MERIDIANS, NOISE_PX, NULL);
-  bench.used = copy_of(&bench.points);
+  bench.used = truth_copy(&bench.points);
   bench.fit = fit_of(&bench.used, &bench.instrument, bench.axis_z_mm);
   placido_fit_summary summary = placido_fit_summary_get(bench.fit);
   assert_false(summary.axis_z_solved);

@@ -10,6 +10,7 @@
 #include <placido/phantom.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 /* The surface of a truth stands in it without a head of its own: a file with one is made. */
@@ -150,4 +151,12 @@ truth_error truth_compare(const placido_fit *fit, const placido_surface *truth, 
   e.axial_D = sqrt(e.axial_D / (double)curved);
   e.covered = (double)covered / (double)points;
   return e;
+}
+
+placido_mires truth_copy(const placido_mires *mires) {
+  placido_mires copy = *mires;
+  copy.points = malloc(copy.count * sizeof *copy.points);
+  assert_non_null(copy.points);
+  memcpy(copy.points, mires->points, copy.count * sizeof *copy.points);
+  return copy;
 }

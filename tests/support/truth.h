@@ -22,6 +22,9 @@ placido_mires truth_points(const placido_surface *surface, const placido_instrum
                            int meridians, double sigma_px,
                            bool (*hidden)(int edge, double meridian_deg));
 
+/* The points once more: a fit writes into its own. Free with placido_mires_free. */
+placido_mires truth_copy(const placido_mires *mires);
+
 /* Errors of a fit within a diameter, on a 0.1 mm grid of covered points: rms of elevation with the
  * median within 3 mm removed (micrometres), rms of axial power for r > 0.25 mm (337.5 D), share
  * covered, rms of elevation error over claimed sigma. */
