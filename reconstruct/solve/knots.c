@@ -1,6 +1,7 @@
 /* The second stage of a fit: the spline, its knots as fine as the residuals ask for. How fine that
  * is is explored on every third meridian, coarse to fine; so are other numberings of all mires. */
 #include "base/memory.h"
+#include "reconstruct/solve/doubt/misfit.h"
 #include "reconstruct/solve/doubt/numbering.h"
 #include "reconstruct/solve/engine/prolong.h"
 #include "reconstruct/solve/errors/noise.h"
@@ -81,6 +82,35 @@ static int list_knots(double knots_mm[KNOT_CHOICES], double asked_mm) {
   return count;
 }
 
+/* How far a refinement follows the points: their spread, that over their rough noise, and the same
+ * in the worst place. */
+typedef struct following {
+  double spread_px, left, left_local;
+} following;
+
+/* Finer knots would follow the edges' own errors, so that the geometry's count as noise. */
+static int look(following *f, const placido_refinement *r, const placido_solution *p,
+                const placido_sightlines *rays, placido_error *err) {
+  double rough =
+      placido_noise_rough(rays->samples, rays->count, p->mires, EXPLORE_STRIDE, r->work);
+  int status = placido_misfit_worst(&f->left_local, NULL, rays->samples, rays->count, p->mires,
+                                    EXPLORE_STRIDE, err);
+  f->spread_px = r->sigma_px;
+  f->left = r->sigma_px / hypot(rough, p->geometry_px);
+  f->left_local *= rough / hypot(rough, p->geometry_px);
+  return status;
+}
+
+static bool helps(const following *finer, const following *coarse) {
+  return finer->spread_px <= GAIN * coarse->spread_px ||
+         (coarse->left_local > PLACIDO_MISFIT_LOCAL &&
+          finer->left_local <= GAIN * coarse->left_local);
+}
+
+static bool is_enough(const following *f) {
+  return f->left < PLACIDO_MISFIT && f->left_local < PLACIDO_MISFIT_LOCAL;
+}
+
 /* Chooses the grid: knots as fine as the samples ask for, or as the caller asked. Finer knots that
  * do not help are given up again: then it is the instrument's geometry that does not fit, not the
  * spline. Leaves the chosen grid's refinement, where the one of all samples starts. */
@@ -89,12 +119,16 @@ static int explore(placido_refinement *coarse, placido_grid *grid, placido_solut
   double asked = p->options ? p->options->knot_mm : 0, knots_mm[KNOT_CHOICES];
   placido_refinement finer = {0};
   placido_grid finer_grid;
+  following now, before = {0};
   int choices = list_knots(knots_mm, asked), status = PLACIDO_OK;
-  for (int choice = 0; choice < choices && !status; choice++) {
+  for (int choice = 0; choice < choices; choice++) {
     finer_grid = placido_grid_covering(p->reach_mm + MARGIN_MM, knots_mm[choice],
                                        degree_of(p->options));
     status = refine_from(&finer, coarse, p, &finer_grid, rays, err);
-    if (status || (choice && asked == 0 && finer.sigma_px > GAIN * coarse->sigma_px)) {
+    if (!status) {
+      status = look(&now, &finer, p, rays, err);
+    }
+    if (status || (choice && asked == 0 && !helps(&now, &before))) {
       break;
     }
     placido_refinement_free(coarse);
@@ -102,17 +136,15 @@ static int explore(placido_refinement *coarse, placido_grid *grid, placido_solut
     *grid = finer_grid;
     coarse->shape.grid = grid;
     finer = (placido_refinement){0};
-    double rough =
-        placido_noise_rough(rays->samples, rays->count, p->mires, EXPLORE_STRIDE, coarse->work);
-    rough = hypot(rough, p->geometry_px); /* finer knots would follow the edges' errors */
+    before = now;
     if (choice == 0) {
-      p->coarse_px = coarse->sigma_px;
-      p->misfit = coarse->sigma_px / rough;
+      p->coarse_px = now.spread_px;
+      p->misfit = now.left;
     }
-    if (asked == 0 && coarse->sigma_px < PLACIDO_MISFIT * rough) {
+    if (asked == 0 && is_enough(&now)) {
       break;
     }
-    choice += asked == 0 && coarse->sigma_px > MISFIT_FAR * rough && choice + 2 < choices;
+    choice += asked == 0 && now.left > MISFIT_FAR && choice + 2 < choices;
   }
   placido_refinement_free(&finer);
   return status;

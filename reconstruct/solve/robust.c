@@ -1,4 +1,5 @@
 /* The third stage of a fit: the noise of the points, outliers cut, folds refused. */
+#include "reconstruct/solve/doubt/misfit.h"
 #include "reconstruct/solve/doubt/outliers.h"
 #include "reconstruct/solve/errors/noise.h"
 #include "reconstruct/solve/solution.h"
@@ -20,6 +21,9 @@
 #define FOLD_HOLE_MM2 0.5
 #define FOLD_STRAY 0.05
 
+/* Of noise in one place: where the finest knots leave it, not what a lash at the rim of a gap does. */
+#define MISFIT_TOLD (2 * PLACIDO_MISFIT_LOCAL)
+
 static int refuse_fold(const placido_solution *p, placido_error *err) {
   return placido_error_set(err, PLACIDO_QUALITY,
                            "the mires contradict each other: %.0f %% of the edge points do not lie "
@@ -31,6 +35,23 @@ static int refuse_fold(const placido_solution *p, placido_error *err) {
 double placido_solution_settled(const placido_fit_options *options, double usual) {
   double tolerance = options ? options->tolerance : 0;
   return tolerance > 0 ? tolerance * tolerance : usual;
+}
+
+/* Says where the knots are too coarse for a place that is too small to show in all points. */
+static int tell_misfit(const placido_solution *p, double knot_mm, placido_notes *notes,
+                       placido_error *err) {
+  placido_place place;
+  double worst;
+  int status =
+      placido_misfit_worst(&worst, &place, p->samples, p->count, p->mires, 1, err);
+  if (!status && worst > MISFIT_TOLD) {
+    placido_notes_add(notes,
+                      "about x = %.1f, y = %.1f mm the edges lie off the surface by %.0f times their "
+                      "noise: the cornea is too steep there for knots every %g mm, and the error "
+                      "bars do not know of it",
+                      place.x_mm, place.y_mm, worst, knot_mm);
+  }
+  return status;
 }
 
 /* Whether a few of the points that were kept are no noise. */
@@ -90,6 +111,9 @@ int placido_solution_robust(placido_solution *p, placido_grid *grid, placido_not
   }
   if (!status) {
     status = placido_outliers_judge(p->samples, p->count, p->mires, r->work, notes, err);
+  }
+  if (!status) {
+    status = tell_misfit(p, grid->knot_mm, notes, err);
   }
   if (!status && p->cut > CUT_MANY) {
     placido_notes_add(notes, "%.0f %% of the edge points were set aside as outliers", 100 * p->cut);
