@@ -15,6 +15,13 @@ struct unit {
   double factor;
 };
 
+static const char *last_unit(const struct unit *units) {
+  while (units[1].name) {
+    units++;
+  }
+  return units->name;
+}
+
 /* A number and a unit of the list, which ends with a NULL; the first stands for a bare number. */
 static int parse_unit(double *value, const struct option_row *row, const char *text,
                       const struct unit *units, placido_error *err) {
@@ -25,8 +32,8 @@ static int parse_unit(double *value, const struct option_row *row, const char *t
     unit++;
   }
   if (end == text || !unit->name) {
-    return placido_error_set(err, STATUS_USAGE, "--%s %s: a number with its unit was expected (%s)",
-                             row->name, text, row->value);
+    return placido_error_set(err, STATUS_USAGE, "--%s %s: a number was expected, in %s or %s",
+                             row->name, text, units[0].name, last_unit(units));
   }
   *value = number * unit->factor;
   if (!(*value >= row->min && *value <= row->max)) {
