@@ -13,6 +13,8 @@
 /* Scales that differ by less than this are one: a monitor's distance is not known better. */
 static const double scale_tolerance = 1e-3;
 static const int side_max_px = 16384;
+/* Of a scene that is made larger than its picture: a few pixels must not ask for gigabytes. */
+static const double enlarged_max = 8192.0 * 8192;
 /* Of light, relative to white: what double precision leaves of it in a transform, 1e-16 a step and
  * 30 steps, is under a hundredth of white. */
 static const float brightest = 1e12f;
@@ -116,6 +118,13 @@ static int find_size(const placido_scene *scene, double bucket_arcmin, frame_siz
     return placido_error_set(err, PLACIDO_INPUT,
                              "scene %s: %.0f by %.0f buckets of %g', expected 1 to %.0f a side",
                              scene->name, width, height, bucket_arcmin, max);
+  }
+  if (ratio > 1 && width * height > enlarged_max) {
+    return placido_error_set(err, PLACIDO_INPUT,
+                             "scene %s: %.0f by %.0f buckets of %g', %.3g times the picture's; "
+                             "expected at most %.0f million in all",
+                             scene->name, width, height, bucket_arcmin, ratio * ratio,
+                             enlarged_max / 1e6);
   }
   *size = (frame_size){(int)fmax(width, 1), (int)fmax(height, 1), (int)bleed, 1 / ratio};
   return PLACIDO_OK;
