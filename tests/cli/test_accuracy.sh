@@ -93,7 +93,7 @@ refuse 4 '1 ms cannot be promised: the quickest settings take' exam $eye --max-t
 refuse 4 'accurate enough take' reconstruct $eye --max-error 0.5 --max-time 1 -o no
 # shellcheck disable=SC2086
 refuse 4 'promised of knot_mm=0.15' reconstruct $eye --max-error 0.5 --knots 0.15 -o no
-refuse 2 'max-error 3cm: a number with its unit' reconstruct eye.png --max-error 3cm -o no
+refuse 2 'max-error 3cm: a number was expected, in um or mm' reconstruct eye.png --max-error 3cm -o no
 refuse 2 'max-time -1: it ranges' reconstruct eye.png --max-time=-1 -o no
 refuse 2 'accuracy best: fast, standard or reference' reconstruct eye.png --accuracy best -o no
 refuse 2 'leave one out' reconstruct eye.png --accuracy fast --max-error 1 -o no
