@@ -109,8 +109,9 @@ static const struct option_row rows[] = {
     {"for", 0, "SECONDS", "record: how long in each codec (default 10).", FIELD(for_s),
      parse_number, 0.1, 3600},
     {"output", 'o', "DIR", "record: the directory in which it writes, and removes what it wrote: "
-     "the disk to be measured (default: $TMPDIR, else /tmp). effects, accuracy: an existing "
-     "directory for their tables.", FIELD(output), parse_text, 0, 0},
+     "the disk to be measured (default: $TMPDIR, else /tmp). effects: an existing "
+     "directory for its table. accuracy: the directory of its table, plots and page.",
+     FIELD(output), parse_text, 0, 0},
 };
 
 static const struct option_group options_bench = {"Benchmarks", rows,

@@ -67,10 +67,15 @@ static int write_folder(const struct accuracy_table *table, const char *folder,
                               : placido_error_set(err, status, "%s", reason.text);
 }
 
-/* Before minutes of work: whether that can be written. */
+/* Before minutes of work: whether that can be written; the folder itself is made where it is not
+ * there. */
 static int check_folder(const char *folder, placido_error *err) {
   char path[PLACIDO_PATH_MAX];
   placido_file file = {0};
+  if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+    return placido_error_set(err, PLACIDO_SYSTEM, "cannot make %s: %s", placido_text_tail(folder),
+                             strerror(errno));
+  }
   int status = placido_path_join(path, folder, "accuracy.csv", err);
   if (status == PLACIDO_OK) {
     status = placido_file_create(&file, path, err);

@@ -60,7 +60,6 @@ says '^scene,eye,pupil_mm,tolerance,difference,.*,diffraction_ran,diffraction_bo
 says '^tumbling-e,normal,4,0.01,' grid/effects.csv
 
 # The accuracy table: every stage of it, every row whole, and the user's own is not touched.
-mkdir table
 XDG_CACHE_HOME=$work/cache succeed bench accuracy --quick -o table
 says '^accuracy: ' out.txt
 compared 'mires: least error' 'what measuring leaves'
@@ -72,8 +71,12 @@ for stage in mires fit trace psf convolution acuity rest floor exam; do
 done
 awk -F, '/^#/ { next } NF != 9 { bad = 1 } END { exit bad }' table/accuracy.csv ||
   fail "a row of the accuracy table is not whole"
+if [ "$FIGURES" = ON ]; then
+  says 'Detection of the mires' table/accuracy.html
+  says '<svg' table/accuracy-fit-psf_otf.svg
+fi
 [ ! -e cache ] || fail "a quick accuracy table is kept"
-refuse 1 'nowhere' bench accuracy --quick -o nowhere
+refuse 1 'nowhere' bench accuracy --quick -o nowhere/deeper
 
 succeed bench --quick --json
 json out.txt - load processors benchmarks command exit_code
