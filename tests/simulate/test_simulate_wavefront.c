@@ -2,6 +2,7 @@
 #include "simulate/trace.h"
 #include "simulate/wavefront.h"
 #include "tests/simulate/eyes.h"
+#include "tests/support/named_figure.h"
 
 #include <placido/wavefront.h>
 
@@ -26,18 +27,6 @@ static placido_wavefront wavefront_of(const placido_surface *surface, const plac
 
 static double paraxial_mm(double radius_mm, double index) {
   return index * radius_mm / (index - 1);
-}
-
-static double figure(const placido_wavefront *w, const char *name) {
-  size_t count;
-  const placido_wavefront_figure *figures = placido_wavefront_figures(&count);
-  for (size_t i = 0; i < count; i++) {
-    if (strcmp(figures[i].name, name) == 0) {
-      return figures[i].at(w, w->coefficients_um);
-    }
-  }
-  fail_msg("there is no figure %s", name);
-  return NAN;
 }
 
 /* Every product of two terms integrates to 1 where they are one and to 0 where they are not. */
@@ -105,7 +94,7 @@ static void spherical_aberration_of_conics(void **state) {
                              .retina_mm = paraxial_mm(known[i].radius_mm, known[i].index)};
     placido_wavefront w = wavefront_of(surface, &eye, NULL);
     assert_true(fabs(w.coefficients_um[12] - known[i].z40_um) < known[i].tolerance_um);
-    assert_true(fabs(figure(&w, "spherical_um") - w.coefficients_um[12]) == 0);
+    assert_true(fabs(named_figure(&w, "spherical_um") - w.coefficients_um[12]) == 0);
     placido_wavefront_free(&w);
     placido_surface_free(surface);
   }
@@ -142,9 +131,9 @@ static void defocus_is_refraction(void **state) {
   const placido_eye eye = {.pupil_mm = 3, .index = n, .retina_mm = focus + 0.5};
   placido_wavefront w = wavefront_of(surface, &eye, NULL);
   double expected_D = 1000 * n / (focus + 0.5) - 1000 * n / focus;
-  assert_true(fabs(figure(&w, "m_D") - expected_D) < 0.01); /* c40's share, of the depth of the dome */
-  assert_true(fabs(figure(&w, "m_centre_D") - expected_D) < 1e-4);
-  assert_true(fabs(figure(&w, "power_D") - 1000 * n / focus) < 0.01);
+  assert_true(fabs(named_figure(&w, "m_D") - expected_D) < 0.01); /* c40's share, of the depth of the dome */
+  assert_true(fabs(named_figure(&w, "m_centre_D") - expected_D) < 1e-4);
+  assert_true(fabs(named_figure(&w, "power_D") - 1000 * n / focus) < 0.01);
   placido_wavefront_free(&w);
   placido_surface_free(surface);
 }
@@ -158,11 +147,11 @@ static void a_toric_cornea_has_its_cylinder(void **state) {
   placido_eye eye = {.pupil_mm = 3, .index = n};
   placido_wavefront w = wavefront_of(surface, &eye, NULL);
   /* the cylinder of a 3 mm pupil is within 1 % of the apex's */
-  assert_true(fabs(figure(&w, "cylinder_D") - (power_D[0] - power_D[1])) < 0.02);
-  assert_true(fabs(figure(&w, "axis_deg") - 20) < 0.01);
-  eye.correction = (placido_correction){0, figure(&w, "j0_D"), figure(&w, "j45_D")};
+  assert_true(fabs(named_figure(&w, "cylinder_D") - (power_D[0] - power_D[1])) < 0.02);
+  assert_true(fabs(named_figure(&w, "axis_deg") - 20) < 0.01);
+  eye.correction = (placido_correction){0, named_figure(&w, "j0_D"), named_figure(&w, "j45_D")};
   placido_wavefront worn = wavefront_of(surface, &eye, NULL);
-  assert_true(fabs(figure(&worn, "cylinder_D")) < 0.002);
+  assert_true(fabs(named_figure(&worn, "cylinder_D")) < 0.002);
   placido_wavefront_free(&worn);
   placido_wavefront_free(&w);
   placido_surface_free(surface);
@@ -232,8 +221,8 @@ static void a_turned_eye_has_a_turned_wavefront(void **state) {
     assert_true(fabs(b.coefficients_um[j] - expected) < 1e-6); /* 768 rays of a smooth cone */
   }
   double turned = placido_wavefront_difference(
-      &(placido_wavefront_figure){.period = 360}, figure(&b, "coma_axis_deg"),
-      figure(&a, "coma_axis_deg"));
+      &(placido_wavefront_figure){.period = 360}, named_figure(&b, "coma_axis_deg"),
+      named_figure(&a, "coma_axis_deg"));
   assert_true(fabs(turned - turn_deg) < 1e-3);
   placido_wavefront_free(&a);
   placido_wavefront_free(&b);

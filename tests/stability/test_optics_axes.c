@@ -6,7 +6,7 @@
 #include "tests/simulate/eyes.h"
 #include "tests/stability/cases.h"
 #include "tests/stability/table.h"
-#include "tests/support/near.h"
+#include "tests/support/named_figure.h"
 
 #include <placido/index.h>
 
@@ -27,18 +27,6 @@ static placido_wavefront wavefront_of(const placido_surface *surface, double pup
   return w;
 }
 
-static double figure(const placido_wavefront *w, const char *name) {
-  size_t count;
-  const placido_wavefront_figure *figures = placido_wavefront_figures(&count);
-  for (size_t i = 0; i < count; i++) {
-    if (strcmp(figures[i].name, name) == 0) {
-      return figures[i].at(w, w->coefficients_um);
-    }
-  }
-  fail_msg("there is no figure %s", name);
-  return NAN;
-}
-
 static double longest_um(double radius_mm) {
   return 1e3 * index_behind * index_behind * radius_mm / (index_behind - 1);
 }
@@ -54,9 +42,9 @@ static void round_corneas_have_no_axis(void **state) {
     placido_surface *surface = conic(radius_mm, q);
     for (int i = 0; i < 5; i++) {
       placido_wavefront w = wavefront_of(surface, pupils_mm[i]);
-      most_D = fmax(most_D, fabs(figure(&w, "cylinder_D")));
-      assert_true(isnan(figure(&w, "axis_deg")));
-      assert_true(isnan(figure(&w, "coma_axis_deg")));
+      most_D = fmax(most_D, fabs(named_figure(&w, "cylinder_D")));
+      assert_true(isnan(named_figure(&w, "axis_deg")));
+      assert_true(isnan(named_figure(&w, "coma_axis_deg")));
       placido_wavefront_free(&w);
     }
     case_bounded(&(struct bounded){NAN, 4 * DBL_EPSILON * longest_um(radius_mm), "um", most_D, "D",
@@ -116,7 +104,7 @@ static void wavefront_axes_have_no_edge(void **state) {
     for (int i = 0; i < AXES; i++) {
       placido_surface *surface = toric(7.9, eyes[k].steep_mm, -0.2, axes_deg[i]);
       placido_wavefront w = wavefront_of(surface, eyes[k].pupil_mm);
-      double axis_deg = figure(&w, "axis_deg");
+      double axis_deg = named_figure(&w, "axis_deg");
       double size_um = hypot(w.coefficients_um[3], w.coefficients_um[5]);
       assert_true(axis_deg >= 0 && axis_deg < 180);
       worst_deg = fmax(worst_deg, apart_deg(axis_deg, axes_deg[i]));
